@@ -3,8 +3,8 @@
  * The messages are in fovea.proto (protobuf); this header has the framing, the tile encodings, and the client
  * library on which foveactl and viewers are built. It knows nothing of rendering or gaze devices.
  *
- * Errors are one line of text in a caller's buffer of PRO_ERROR_SIZE bytes. Bytes from a peer are never trusted: every
- * length is checked before it is used, and nothing is allocated beyond the limits below.
+ * Errors are one line of text in a caller's buffer of PRO_ERROR_SIZE bytes. Bytes from a peer are never
+ * trusted: every length is checked before it is used, and nothing is allocated beyond the limits below.
  */
 #ifndef FOVEAD_PROTOCOL_H
 #define FOVEAD_PROTOCOL_H
@@ -19,52 +19,61 @@
 enum {
     PRO_ERROR_SIZE = 512,
     PRO_VERSION = 1,
-    PRO_MAX_TO_DAEMON = 64 << 10,  /* longest frame a client may send, bytes without the length */
-    PRO_MAX_TO_CLIENT = 8 << 20,   /* longest frame the daemon may send */
-    PRO_MAX_TILE = 256,            /* pixels a side */
-    PRO_MAX_WIDTH = 65536,         /* pixels of a film */
+    PRO_MAX_TO_DAEMON = 64 << 10, /* longest frame a client may send, bytes without the length */
+    PRO_MAX_TO_CLIENT = 8 << 20,  /* longest frame the daemon may send */
+    PRO_CHUNK = 64 << 10,         /* most bytes to give a reader at a time */
+    PRO_MAX_TILE = 256,           /* pixels a side */
+    PRO_MAX_WIDTH = 65536,        /* pixels of a film, and of its height */
+    PRO_MAX_PIXELS = 1 << 29,     /* of a film in all */
 };
 
-/* --- frames -------------------------------------------------------------------------------------------------- */
+/* --- frames -------------------------------------------------------------------------------------------- */
 
 /* Collects bytes as they come and gives whole messages. */
 struct pro_reader {
-    size_t limit;      /* longest frame accepted */
-    size_t used, size; /* bytes held, bytes allocated: never more than limit + 4 */
+    size_t limit; /* longest frame accepted */
+    size_t start; /* where the bytes held begin */
+    size_t used;  /* bytes held */
+    size_t size;  /* bytes allocated: they grow with what came, to no more than limit + 4 + PRO_CHUNK */
     uint8_t *bytes;
 };
 
 void pro_reader_init(struct pro_reader *reader, size_t limit);
 void pro_reader_finish(struct pro_reader *reader);
 
-/* Add count bytes from a peer. False if memory is short or more is held than one frame and what follows it can need;
- * take messages out before adding more than 64 KiB at a time. */
+/* Add count bytes from a peer. False if memory is short or more would be held than one frame and PRO_CHUNK
+ * bytes after it: add PRO_CHUNK bytes at most, then take messages until PRO_MORE, and it holds. */
 bool pro_reader_add(struct pro_reader *reader, const void *bytes, size_t count);
 
 enum pro_result { PRO_MESSAGE, PRO_MORE, PRO_BROKEN };
 
-/* Take the next message: PRO_MESSAGE with *out_message, which the caller frees with fovea__message__free_unpacked(m,
- * NULL); PRO_MORE if no whole frame is here; PRO_BROKEN with a line in out_error if the peer must be dropped: a
- * length of zero or over the limit, bytes that do not parse, a message with no known body. A frame's length is judged
- * as soon as its four bytes are here. */
+/* Take the next message: PRO_MESSAGE with *out_message, which the caller frees with
+ * fovea__message__free_unpacked(m, NULL); PRO_MORE if no whole frame is here; PRO_BROKEN with a line in
+ * out_error if the peer must be dropped: a length of zero or over the limit, bytes that do not parse, a
+ * message with no known body. A frame's length is judged as soon as its four bytes are here. Unpacking
+ * allocates no more than the frame's length and 16 KiB. Which side may send what, and how many numbers a
+ * repeated field has, is the caller's to check. */
 enum pro_result pro_reader_take(struct pro_reader *reader, Fovea__Message **out_message,
                                 char out_error[PRO_ERROR_SIZE]);
 
-/* Pack a message with its length before it. Returns malloc'ed bytes (the caller frees) and their count, or NULL when
- * memory is short. headroom bytes are left free before the frame and not counted. */
+/* Pack a message with its length before it. Returns malloc'ed bytes (the caller frees) and their count, or
+ * NULL when memory is short or the message is longer than PRO_MAX_TO_CLIENT. headroom bytes are left free
+ * before the frame and not counted. */
 uint8_t *pro_pack(const Fovea__Message *message, size_t headroom, size_t *out_count);
 
-/* --- encodings ----------------------------------------------------------------------------------------------- */
+/* --- encodings ----------------------------------------------------------------------------------------- */
 
-/* Encode a tile of size x size RGB floats (linear radiance). Returns malloc'ed bytes (the caller frees) and their
- * count, or NULL when memory is short or the encoding is unknown. */
+/* Encode a tile of size x size RGB floats (linear radiance), size up to PRO_MAX_TILE. Returns malloc'ed bytes
+ * (the caller frees) and their count, or NULL when memory is short, or the encoding or the size is not known.
+ * NaN becomes 0; half floats are clamped to +-65504, JPEG to what a display shows, 0 to 1. Any thread. */
 uint8_t *pro_encode(Fovea__Encoding encoding, const float *rgb, unsigned size, size_t *out_count);
 
-/* Decode into size x size RGB floats, linear radiance. False if the bytes are not exactly such a tile. Never reads or
- * writes outside its buffers, whatever the bytes. */
+/* Decode into size x size RGB floats, linear radiance. False, with anything in out_rgb, if the bytes are not
+ * exactly such a tile of finite numbers, or memory is short. Never reads or writes outside its buffers, nor
+ * allocates more than a tile of that size needs, whatever the bytes. Any thread. */
 bool pro_decode(Fovea__Encoding encoding, const uint8_t *bytes, size_t count, unsigned size, float *out_rgb);
 
-/* --- addresses ----------------------------------------------------------------------------------------------- */
+/* --- addresses ----------------------------------------------------------------------------------------- */
 
 /* "unix:PATH", "tcp:HOST:PORT" (HOST may be [v6]), a bare path with a '/', or NULL for the default:
  * $XDG_RUNTIME_DIR/fovead.sock, else /tmp/fovead-UID.sock. */
@@ -80,13 +89,14 @@ bool pro_address_is_local(const struct pro_address *address);
 /* Text form, as pro_address_parse() takes it. */
 void pro_address_print(const struct pro_address *address, char *out_text, size_t size);
 
-/* --- client -------------------------------------------------------------------------------------------------- */
+/* --- client -------------------------------------------------------------------------------------------- */
 
 /* A connection, used by one thread. */
 struct pro_client;
 
-/* Connect, say hello and wait for Welcome, at most timeout_ms in all (retrying while nothing listens yet, if
- * wait_for_daemon). hello->version is filled in. NULL and a line in out_error on failure. */
+/* Connect, say hello and wait for Welcome, at most timeout_ms in all (-1: for ever; the name service's own
+ * time is not counted), retrying while nothing listens yet, if wait_for_daemon. The version is filled in.
+ * NULL and a line in out_error on failure; if the daemon refused with a Done, its text. */
 struct pro_client *pro_connect(const struct pro_address *address, const Fovea__Hello *hello, int timeout_ms,
                                bool wait_for_daemon, char out_error[PRO_ERROR_SIZE]);
 void pro_disconnect(struct pro_client *client); /* accepts NULL */
@@ -94,30 +104,37 @@ void pro_disconnect(struct pro_client *client); /* accepts NULL */
 const Fovea__Welcome *pro_welcome(const struct pro_client *client);
 int pro_client_fd(const struct pro_client *client); /* for poll(); owned by the client */
 
-/* The next message, waiting at most timeout_ms (-1: for ever): PRO_MESSAGE (the caller frees), PRO_MORE on timeout,
- * PRO_BROKEN with a line in out_error when the daemon has gone or spoke nonsense. Tiles go into the client's picture
- * and are acknowledged before they are returned. */
+/* The next message, waiting at most timeout_ms (-1: for ever): PRO_MESSAGE (the caller frees), PRO_MORE on
+ * timeout, PRO_BROKEN with a line in out_error when the daemon has gone or spoke nonsense. What is returned
+ * is a Tile, Gaze, Stats, Done or Pong, and safe to use: a Tile has a place in the film and its pixels are in
+ * the picture (unless its generation is over), a Gaze has 3 finite numbers of direction and 0 or 4 of head,
+ * text has no control characters. A tile is acknowledged before it is returned or, when more messages have
+ * come in behind it, together with the next few of them: call this again until PRO_MORE. */
 enum pro_result pro_receive(struct pro_client *client, int timeout_ms, Fovea__Message **out_message,
                             char out_error[PRO_ERROR_SIZE]);
 
-/* Send a message, waiting until the socket takes it. */
+/* Send a message, waiting until the socket takes it. False and a line in out_error if the connection is
+ * broken, the message is longer than PRO_MAX_TO_DAEMON, or the daemon has taken nothing for ten seconds. */
 bool pro_send(struct pro_client *client, const Fovea__Message *message, char out_error[PRO_ERROR_SIZE]);
 
-/* Round trips so far: the smallest, and the daemon's clock minus ours estimated from it (ns). False before the first
- * Pong; pro_receive() sends Pings by itself, about one a second. */
+/* Round trips so far: the smallest (an old one gives way, since clocks drift), and the daemon's clock minus
+ * ours estimated from it (ns). False before the first Pong; pro_receive() sends Pings by itself, about one a
+ * second. */
 bool pro_clock(const struct pro_client *client, uint64_t *out_round_trip_ns, int64_t *out_offset_ns);
 
-/* --- picture ------------------------------------------------------------------------------------------------- */
+/* --- picture ------------------------------------------------------------------------------------------- */
 
-/* The picture that a client has put together from its tiles: for every pixel the finest level that arrived. */
+/* The picture that a client has put together from its tiles: for every pixel the finest level that arrived.
+ * It belongs to the client and its thread, and takes memory (6 bytes a pixel) only for tiles that came. */
 struct pro_picture;
 const struct pro_picture *pro_picture(const struct pro_client *client);
 
 /* Pixels of level 0 that have arrived at some level, as a share of the film. */
 double pro_picture_coverage(const struct pro_picture *picture);
 
-/* Fill width x height x RGB floats (the film's size, see Welcome), linear radiance. Where only coarse tiles came,
- * their pixels are interpolated bilinearly; where nothing came, 0. */
+/* Fill width x height x RGB floats (the film's size, see Welcome), linear radiance. Where only coarse tiles
+ * came, their pixels are interpolated bilinearly, across tiles of the same level and across the seam; where
+ * nothing came, 0. */
 void pro_picture_resolve(const struct pro_picture *picture, float *out_rgb);
 
 #endif

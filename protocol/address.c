@@ -1,0 +1,96 @@
+/* address.c: where a daemon listens, as text and back. */
+#include "internal.h"
+
+#include <arpa/inet.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+_Static_assert(sizeof((struct pro_address){0}.path) == sizeof((struct sockaddr_un){0}.sun_path),
+               "a path fits a sockaddr_un");
+
+static bool parse_path(const char *path, struct pro_address *out_address, char out_error[PRO_ERROR_SIZE])
+{
+    size_t length = strlen(path), most = sizeof out_address->path - 1;
+    if (length == 0) return pro_fail(out_error, "unix: has no path after it");
+    if (length > most)
+        return pro_fail(out_error, "%.200s...: %zu bytes, where a socket's path may have %zu", path, length,
+                        most);
+    out_address->is_unix = true;
+    memcpy(out_address->path, path, length + 1);
+    return true;
+}
+
+static bool parse_port(const char *text, uint16_t *out_port)
+{
+    size_t digits = strspn(text, "0123456789");
+    if (digits == 0 || digits > 5 || text[digits] != '\0') return false;
+    long port = strtol(text, NULL, 10);
+    *out_port = (uint16_t)port;
+    return port >= 1 && port <= 65535;
+}
+
+static bool parse_tcp(const char *text, struct pro_address *out_address, char out_error[PRO_ERROR_SIZE])
+{
+    const char *host = text, *colon = strrchr(text, ':'), *end = colon;
+    if (*text == '[') {
+        host = text + 1;
+        end = strchr(text, ']');
+        if (!end || end[1] != ':') return pro_fail(out_error, "tcp:%.200s: expected tcp:[IPv6]:PORT", text);
+        colon = end + 1;
+    } else if (!colon) {
+        return pro_fail(out_error, "tcp:%.200s: no port; expected tcp:HOST:PORT", text);
+    } else if (strchr(text, ':') != colon) {
+        return pro_fail(out_error, "tcp:%.200s: an IPv6 address goes in brackets: tcp:[::1]:PORT", text);
+    }
+    size_t length = (size_t)(end - host);
+    if (length == 0) return pro_fail(out_error, "tcp:%.200s: no host; expected tcp:HOST:PORT", text);
+    if (length >= sizeof out_address->host)
+        return pro_fail(out_error, "tcp:%.200s...: too long a host", text);
+    if (!parse_port(colon + 1, &out_address->port))
+        return pro_fail(out_error, "tcp:%.200s: the port is a number from 1 to 65535", text);
+    memcpy(out_address->host, host, length);
+    out_address->host[length] = '\0';
+    return true;
+}
+
+bool pro_address_parse(const char *text, struct pro_address *out_address, char out_error[PRO_ERROR_SIZE])
+{
+    memset(out_address, 0, sizeof *out_address);
+    if (!text) {
+        const char *folder = getenv("XDG_RUNTIME_DIR");
+        char path[4096];
+        if (folder && *folder)
+            snprintf(path, sizeof path, "%s/fovead.sock", folder);
+        else
+            snprintf(path, sizeof path, "/tmp/fovead-%u.sock", (unsigned)getuid());
+        return parse_path(path, out_address, out_error);
+    }
+    if (strncmp(text, "unix:", 5) == 0) return parse_path(text + 5, out_address, out_error);
+    if (strncmp(text, "tcp:", 4) == 0) return parse_tcp(text + 4, out_address, out_error);
+    if (strchr(text, '/')) return parse_path(text, out_address, out_error);
+    return pro_fail(out_error,
+                    "'%.200s' is no address: expected unix:PATH, tcp:HOST:PORT or a path with a '/'", text);
+}
+
+bool pro_address_is_local(const struct pro_address *address)
+{
+    struct in_addr v4;
+    struct in6_addr v6;
+    if (address->is_unix || strcasecmp(address->host, "localhost") == 0) return true;
+    if (inet_pton(AF_INET, address->host, &v4) == 1) return ntohl(v4.s_addr) >> 24 == 127;
+    return inet_pton(AF_INET6, address->host, &v6) == 1 && IN6_IS_ADDR_LOOPBACK(&v6);
+}
+
+void pro_address_print(const struct pro_address *address, char *out_text, size_t size)
+{
+    if (address->is_unix)
+        snprintf(out_text, size, "unix:%s", address->path);
+    else if (strchr(address->host, ':'))
+        snprintf(out_text, size, "tcp:[%s]:%u", address->host, address->port);
+    else
+        snprintf(out_text, size, "tcp:%s:%u", address->host, address->port);
+}

@@ -1,0 +1,133 @@
+/* frame.c: messages to bytes and back. A frame is a 4-byte big-endian length and that many bytes of one
+ * Message.
+ *
+ * Nothing here knows of sockets. What a peer sends costs memory in proportion to what it has really sent: the
+ * buffer grows with the bytes that came, not with the length that was announced, and unpacking has a budget
+ * of its own.
+ */
+#include "internal.h"
+
+#include <endian.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    PREFIX = 4,
+    FIRST_SIZE = 4 << 10,
+    /* Beyond a copy of the frame's own bytes, unpacking an honest message needs its structures and
+     * protobuf-c's notes on more than 16 fields. A frame of millions of two-byte unknown fields would want
+     * some 40 times its length. */
+    UNPACK_SLACK = 16 << 10,
+};
+
+void pro_reader_init(struct pro_reader *reader, size_t limit)
+{
+    *reader = (struct pro_reader){.limit = limit};
+}
+
+void pro_reader_finish(struct pro_reader *reader)
+{
+    free(reader->bytes);
+    pro_reader_init(reader, reader->limit);
+}
+
+bool pro_reader_add(struct pro_reader *reader, const void *bytes, size_t count)
+{
+    size_t most = reader->limit + PREFIX + PRO_CHUNK;
+    if (count > most - reader->used) return false;
+    if (count == 0) return true;
+
+    if (reader->start > 0 && count > reader->size - reader->start - reader->used) {
+        memmove(reader->bytes, reader->bytes + reader->start, reader->used);
+        reader->start = 0;
+    }
+    size_t needed = reader->used + count;
+    if (needed > reader->size) {
+        size_t size = reader->size < FIRST_SIZE / 2 ? FIRST_SIZE : 2 * reader->size;
+        if (size > most) size = most;
+        if (size < needed) size = needed;
+        uint8_t *grown = realloc(reader->bytes, size);
+        if (!grown) return false;
+        reader->bytes = grown;
+        reader->size = size;
+    }
+    memcpy(reader->bytes + reader->start + reader->used, bytes, count);
+    reader->used += count;
+    return true;
+}
+
+static uint32_t frame_length(const struct pro_reader *reader)
+{
+    uint32_t length;
+    memcpy(&length, reader->bytes + reader->start, PREFIX);
+    return be32toh(length);
+}
+
+bool pro_reader_ready(const struct pro_reader *reader)
+{
+    return reader->used >= PREFIX && reader->used - PREFIX >= frame_length(reader);
+}
+
+static void *budget_alloc(void *data, size_t size)
+{
+    size_t *left = data;
+    if (size > *left) return NULL;
+    *left -= size;
+    return malloc(size);
+}
+
+static void budget_free(void *data, void *block)
+{
+    (void)data;
+    free(block);
+}
+
+enum pro_result pro_reader_take(struct pro_reader *reader, Fovea__Message **out_message,
+                                char out_error[PRO_ERROR_SIZE])
+{
+    *out_message = NULL;
+    if (reader->used < PREFIX) return PRO_MORE;
+    uint32_t length = frame_length(reader);
+    if (length == 0) {
+        pro_fail(out_error, "a message of length zero");
+        return PRO_BROKEN;
+    }
+    if (length > reader->limit) {
+        pro_fail(out_error, "a message of %u bytes, where %zu is the limit", length, reader->limit);
+        return PRO_BROKEN;
+    }
+    if (reader->used - PREFIX < length) return PRO_MORE;
+
+    size_t budget = length + UNPACK_SLACK;
+    ProtobufCAllocator allocator = {budget_alloc, budget_free, &budget};
+    Fovea__Message *message =
+        fovea__message__unpack(&allocator, length, reader->bytes + reader->start + PREFIX);
+    if (!message) {
+        pro_fail(out_error, "%u bytes that are not a message", length);
+        return PRO_BROKEN;
+    }
+    /* The members of the union are all pointers to messages. */
+    if (message->body_case == FOVEA__MESSAGE__BODY__NOT_SET || !message->hello) {
+        fovea__message__free_unpacked(message, NULL);
+        pro_fail(out_error, "a message with no known body");
+        return PRO_BROKEN;
+    }
+    reader->start += PREFIX + length;
+    reader->used -= PREFIX + length;
+    if (reader->used == 0) reader->start = 0;
+    *out_message = message;
+    return PRO_MESSAGE;
+}
+
+uint8_t *pro_pack(const Fovea__Message *message, size_t headroom, size_t *out_count)
+{
+    size_t length = fovea__message__get_packed_size(message);
+    if (length > PRO_MAX_TO_CLIENT) return NULL;
+    uint8_t *bytes = malloc(headroom + PREFIX + length);
+    if (!bytes) return NULL;
+    uint32_t prefix = htobe32((uint32_t)length);
+    memcpy(bytes + headroom, &prefix, PREFIX);
+    fovea__message__pack(message, bytes + headroom + PREFIX);
+    *out_count = PREFIX + length;
+    return bytes;
+}

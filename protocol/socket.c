@@ -1,0 +1,119 @@
+/* socket.c: waiting, and getting a connection, against a deadline. */
+#include "internal.h"
+
+#include <errno.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <time.h>
+#include <unistd.h>
+
+static const uint64_t retry_ns = 20 * 1000 * 1000;
+
+uint64_t pro_now_ns(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (uint64_t)now.tv_sec * 1000000000 + (uint64_t)now.tv_nsec;
+}
+
+uint64_t pro_deadline_ns(int timeout_ms)
+{
+    return timeout_ms < 0 ? PRO_NEVER : pro_now_ns() + (uint64_t)timeout_ms * 1000000;
+}
+
+short pro_wait(int fd, short events, uint64_t deadline_ns)
+{
+    struct pollfd poll = {.fd = fd, .events = events};
+    for (;;) {
+        uint64_t now = pro_now_ns();
+        uint64_t left = deadline_ns > now ? deadline_ns - now : 0;
+        struct timespec timeout = {(time_t)(left / 1000000000), (long)(left % 1000000000)};
+        int count = ppoll(&poll, 1, deadline_ns == PRO_NEVER ? NULL : &timeout, NULL);
+        if (count > 0) return poll.revents;
+        if (count == 0 || errno != EINTR) return 0;
+    }
+}
+
+/* One attempt. Returns the socket, or -1 with errno. */
+static int attempt(int family, const struct sockaddr *to, socklen_t length, uint64_t deadline_ns)
+{
+    int fd = socket(family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    if (fd < 0) return -1;
+    int error = connect(fd, to, length) == 0 ? 0 : errno;
+    /* A connect that a signal interrupts goes on by itself, as one that is in progress. */
+    if (error == EINPROGRESS || error == EINTR) {
+        socklen_t size = sizeof error;
+        if (!pro_wait(fd, POLLOUT, deadline_ns))
+            error = ETIMEDOUT;
+        else if (getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size) != 0)
+            error = errno;
+    }
+    if (error == 0) {
+        /* Acknowledgements and gaze are small and must not wait for one another. */
+        int on = 1;
+        if (family != AF_UNIX) setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+        return fd;
+    }
+    close(fd);
+    errno = error;
+    return -1;
+}
+
+static int attempt_all(const struct pro_address *address, const struct addrinfo *found, uint64_t deadline_ns)
+{
+    if (address->is_unix) {
+        struct sockaddr_un to = {.sun_family = AF_UNIX};
+        memcpy(to.sun_path, address->path, sizeof to.sun_path);
+        return attempt(AF_UNIX, (struct sockaddr *)&to, sizeof to, deadline_ns);
+    }
+    uint64_t candidates = 0;
+    for (const struct addrinfo *one = found; one; one = one->ai_next) candidates++;
+    for (const struct addrinfo *one = found; one; one = one->ai_next, candidates--) {
+        /* One that never answers leaves time for the others. */
+        uint64_t now = pro_now_ns(), until = deadline_ns;
+        if (deadline_ns != PRO_NEVER && deadline_ns > now) until = now + (deadline_ns - now) / candidates;
+        int fd = attempt(one->ai_family, one->ai_addr, one->ai_addrlen, until);
+        if (fd >= 0) return fd;
+    }
+    return -1;
+}
+
+int pro_dial(const struct pro_address *address, uint64_t deadline_ns, bool wait_for_daemon,
+             char out_error[PRO_ERROR_SIZE])
+{
+    char name[sizeof address->host + 16];
+    pro_address_print(address, name, sizeof name);
+    struct addrinfo *found = NULL;
+    if (!address->is_unix) {
+        char port[8];
+        snprintf(port, sizeof port, "%u", address->port);
+        struct addrinfo hints = {.ai_socktype = SOCK_STREAM, .ai_flags = AI_NUMERICSERV};
+        int status = getaddrinfo(address->host, port, &hints, &found);
+        if (status != 0) {
+            pro_fail(out_error, "%s: %s", name, gai_strerror(status));
+            return -1;
+        }
+    }
+    int fd;
+    while ((fd = attempt_all(address, found, deadline_ns)) < 0) {
+        int error = errno;
+        bool absent = error == ENOENT || error == ECONNREFUSED;
+        bool again = (absent && wait_for_daemon) || error == EAGAIN; /* EAGAIN: its queue is full */
+        uint64_t now = pro_now_ns();
+        if (!again || now >= deadline_ns) {
+            pro_fail(out_error, "%s %s: %s", absent ? "nothing listens at" : "cannot connect to", name,
+                     strerror(error));
+            break;
+        }
+        uint64_t pause = deadline_ns - now < retry_ns ? deadline_ns - now : retry_ns;
+        pro_wait(-1, 0, now + pause);
+    }
+    if (found) freeaddrinfo(found);
+    return fd;
+}
