@@ -1,0 +1,15 @@
+/* One line of text for what went wrong; for the files of tracker/ alone. */
+#ifndef FOVEAD_TRACKER_ERROR_H
+#define FOVEAD_TRACKER_ERROR_H
+
+#include "tracker.h"
+
+#include <stdarg.h>
+
+/* Write a message into out_error, cut to its size and kept to one line: control characters, which a path or a
+ * log may bring in, become '?'. Returns false, so that a failing function can return it. */
+bool trk_fail(char out_error[TRK_ERROR_SIZE], const char *format, ...) __attribute__((format(printf, 2, 3)));
+bool trk_vfail(char out_error[TRK_ERROR_SIZE], const char *prefix, const char *format, va_list arguments)
+    __attribute__((format(printf, 3, 0)));
+
+#endif

@@ -1,0 +1,223 @@
+/* The project's own gaze log, read and written: one table of columns serves both. The format is in own.h. */
+#include "log/own.h"
+
+#include "error.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define MAGIC     "fovead-gaze "
+#define VERSION   "1"
+#define SEPARATOR ' '
+
+/* The columns before the table: whole numbers, always there. */
+enum { SEQUENCE, DEVICE, ARRIVAL, VALID, WHOLE };
+static const char *const whole_names[WHOLE] = {"sequence", "device[ns]", "arrival[ns]", "valid[bits]"};
+
+static const struct column {
+    const char *name;
+    size_t offset; /* of a float in struct trk_sample */
+    uint32_t bit;  /* that makes it mean something */
+} columns[] = {
+#define COLUMN(name, member, bit)                                                                            \
+    {                                                                                                        \
+        name, offsetof(struct trk_sample, member), bit                                                       \
+    }
+#define VECTOR(name, unit, member, bit)                                                                      \
+    COLUMN(name "_x[" unit "]", member[0], bit), COLUMN(name "_y[" unit "]", member[1], bit),                \
+        COLUMN(name "_z[" unit "]", member[2], bit)
+#define EYE(name, index, SIDE)                                                                               \
+    VECTOR(name "_direction", "head", eye[index].direction, TRK_##SIDE##_DIRECTION),                         \
+        VECTOR(name "_origin", "head,m", eye[index].origin, TRK_##SIDE##_ORIGIN),                            \
+        COLUMN(name "_openness[0..1]", eye[index].openness, TRK_##SIDE##_OPENNESS),                          \
+        COLUMN(name "_pupil[mm]", eye[index].pupil_mm, TRK_##SIDE##_PUPIL)
+    VECTOR("direction", "head", direction, TRK_DIRECTION),
+    VECTOR("origin", "head,m", origin, TRK_ORIGIN),
+    EYE("left", 0, LEFT),
+    EYE("right", 1, RIGHT),
+    VECTOR("head", "world,m", head, TRK_HEAD),
+    COLUMN("head_qx[head-to-world]", head[3], TRK_HEAD),
+    COLUMN("head_qy[head-to-world]", head[4], TRK_HEAD),
+    COLUMN("head_qz[head-to-world]", head[5], TRK_HEAD),
+    COLUMN("head_qw[head-to-world]", head[6], TRK_HEAD),
+};
+enum { COLUMNS = sizeof columns / sizeof *columns };
+
+/* What must have unit length, by its bit. */
+static const struct unit {
+    uint32_t bit;
+    const char *name;
+    size_t offset;
+    int size;
+} units[] = {
+    {TRK_DIRECTION, "direction", offsetof(struct trk_sample, direction), 3},
+    {TRK_LEFT_DIRECTION, "left_direction", offsetof(struct trk_sample, eye[0].direction), 3},
+    {TRK_RIGHT_DIRECTION, "right_direction", offsetof(struct trk_sample, eye[1].direction), 3},
+    {TRK_HEAD, "head_q", offsetof(struct trk_sample, head[3]), 4},
+};
+
+static const uint32_t all_bits = TRK_DIRECTION | TRK_ORIGIN | TRK_HEAD | 0xff0; /* the eyes: bits 4 to 11 */
+
+static const char *column_name(int index)
+{
+    return index < WHOLE ? whole_names[index] : columns[index - WHOLE].name;
+}
+
+/* --- reading --------------------------------------------------------------------------------------------- */
+
+static bool detect(const char *first_line)
+{
+    return strncmp(first_line, MAGIC, strlen(MAGIC)) == 0;
+}
+
+static bool read_header(struct trk_lines *lines, char out_error[TRK_ERROR_SIZE])
+{
+    if (strcmp(lines->text, MAGIC VERSION) != 0)
+        return trk_lines_fail(lines, out_error, "'%.40s', expected '" MAGIC VERSION "'", lines->text);
+    enum trk_line line;
+    do {
+        line = trk_lines_next(lines, out_error);
+    } while (line == TRK_LINE && lines->text[0] == '#');
+    if (line == TRK_LINE_FAILED) return false;
+    if (line == TRK_LINE_END) lines->text[0] = '\0';
+
+    char *fields[TRK_MAX_FIELDS];
+    size_t count = trk_split(lines->text, SEPARATOR, fields);
+    for (int i = 0; i < WHOLE + COLUMNS; i++)
+        if ((size_t)i >= count || strcmp(fields[i], column_name(i)) != 0)
+            return trk_lines_fail(lines, out_error, "header has '%.40s' as column %d, expected '%s'",
+                                  (size_t)i < count ? fields[i] : "", i + 1, column_name(i));
+    if (count > WHOLE + COLUMNS)
+        return trk_lines_fail(lines, out_error, "header has %zu columns, expected %d", count,
+                              WHOLE + COLUMNS);
+    return true;
+}
+
+static bool read_row(struct trk_lines *lines, struct trk_sample *out_sample, char out_error[TRK_ERROR_SIZE])
+{
+    if (!lines->has_newline)
+        return trk_lines_fail(lines, out_error, "is cut off, expected a newline after the last row");
+    char *fields[TRK_MAX_FIELDS];
+    size_t count = trk_split(lines->text, SEPARATOR, fields);
+    if (count != WHOLE + COLUMNS)
+        return trk_lines_fail(lines, out_error, "%zu columns, expected %d", count, WHOLE + COLUMNS);
+
+    int64_t whole[WHOLE];
+    for (int i = 0; i < WHOLE; i++)
+        if (!trk_parse_int64(fields[i], &whole[i]) || whole[i] < 0)
+            return trk_lines_fail(lines, out_error, "%s is '%.40s', expected a whole number from 0",
+                                  whole_names[i], fields[i]);
+    if ((uint64_t)whole[VALID] & ~(uint64_t)all_bits)
+        return trk_lines_fail(lines, out_error, "valid[bits] is %s, expected only bits of %" PRIu32,
+                              fields[VALID], all_bits);
+    *out_sample = (struct trk_sample){
+        .sequence = (uint64_t)whole[SEQUENCE],
+        .device_ns = (uint64_t)whole[DEVICE],
+        .arrival_ns = (uint64_t)whole[ARRIVAL],
+        .valid = (uint32_t)whole[VALID],
+    };
+    for (int i = 0; i < COLUMNS; i++) {
+        float value;
+        if (!trk_parse_float(fields[WHOLE + i], &value) || !isfinite(value))
+            return trk_lines_fail(lines, out_error, "%s is '%.40s', expected a finite number",
+                                  columns[i].name, fields[WHOLE + i]);
+        if (out_sample->valid & columns[i].bit)
+            memcpy((char *)out_sample + columns[i].offset, &value, sizeof value);
+    }
+    for (size_t i = 0; i < sizeof units / sizeof *units; i++) {
+        const float *v = (const float *)((const char *)out_sample + units[i].offset);
+        if ((out_sample->valid & units[i].bit) && !trk_is_unit(v, units[i].size))
+            return trk_lines_fail(lines, out_error, "%s is not of unit length, expected that of a valid one",
+                                  units[i].name);
+    }
+    return true;
+}
+
+static bool read_own(struct trk_lines *lines, struct trk_log *out_log, char out_error[TRK_ERROR_SIZE])
+{
+    if (!read_header(lines, out_error)) return false;
+    size_t capacity = 0;
+    for (;;) {
+        enum trk_line line = trk_lines_next(lines, out_error);
+        if (line == TRK_LINE_END) return true;
+        if (line == TRK_LINE_FAILED) return false;
+        if (lines->text[0] == '#') continue;
+        struct trk_sample sample;
+        if (!read_row(lines, &sample, out_error)) return false;
+        if (!trk_log_append(out_log, &capacity, &sample, lines, out_error)) return false;
+    }
+}
+
+const struct trk_log_format trk_log_own = {
+    .name = "fovead",
+    .expects = "'" MAGIC VERSION "'",
+    .detect = detect,
+    .read = read_own,
+};
+
+/* --- writing --------------------------------------------------------------------------------------------- */
+
+/* The fewest digits, up to the nine that always suffice, that read back as the same float. */
+static void write_float(FILE *file, float value)
+{
+    char text[32];
+    for (int digits = 6; digits <= 9; digits++) {
+        snprintf(text, sizeof text, "%.*g", digits, (double)value);
+        if (strtof(text, NULL) == value) break;
+    }
+    fputs(text, file);
+}
+
+static void write_rows(FILE *file, const struct trk_log *log)
+{
+    fputs(MAGIC VERSION "\n", file);
+    for (int i = 0; i < WHOLE + COLUMNS; i++) fprintf(file, "%s%s", i ? " " : "", column_name(i));
+    fputc('\n', file);
+    for (size_t i = 0; i < log->count; i++) {
+        const struct trk_sample *sample = &log->samples[i];
+        fprintf(file, "%" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu32, sample->sequence, sample->device_ns,
+                sample->arrival_ns, sample->valid);
+        for (int k = 0; k < COLUMNS; k++) {
+            float value = 0;
+            if (sample->valid & columns[k].bit)
+                memcpy(&value, (const char *)sample + columns[k].offset, sizeof value);
+            fputc(SEPARATOR, file);
+            write_float(file, value);
+        }
+        fputc('\n', file);
+    }
+}
+
+/* Written beside its place and renamed, so that a reader never sees half a log. */
+bool trk_log_write(const char *path, const struct trk_log *log, char out_error[TRK_ERROR_SIZE])
+{
+    struct stat status;
+    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
+        return trk_fail(out_error, "%s: not a regular file, expected a place for a gaze log", path);
+    char *part = NULL;
+    if (asprintf(&part, "%s.%ld.part", path, (long)getpid()) < 0)
+        return trk_fail(out_error, "%s: no memory", path);
+
+    bool ok = false;
+    int fd = open(part, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
+    FILE *file = fd < 0 ? NULL : fdopen(fd, "w");
+    if (file) {
+        write_rows(file, log);
+        bool written = !ferror(file);
+        ok = fclose(file) == 0 && written && rename(part, path) == 0;
+    } else if (fd >= 0) {
+        close(fd);
+    }
+    if (!ok) {
+        trk_fail(out_error, "%s: cannot write: %s", path, strerror(errno));
+        if (fd >= 0) unlink(part);
+    }
+    free(part);
+    return ok;
+}

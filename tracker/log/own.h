@@ -1,0 +1,28 @@
+/* The project's own gaze log: text that a person can read and any tool can split.
+ *
+ *   line 1   fovead-gaze 1
+ *   line 2   the names of the 33 columns below, separated by one space
+ *   then     one sample a line: 33 numbers, separated by one space; lines that start with # are comments
+ *
+ *   sequence                                  counts the tracker's samples from 1; a gap is a lost sample
+ *   device[ns] arrival[ns]                    the tracker's clock from 0; the recording host's clock
+ *   valid[bits]                               which fields hold something, the sum of
+ *                                             1 direction, 2 origin, 4 head pose; left eye 16 direction, 32
+ * origin, 64 openness, 128 pupil; right eye 256, 512, 1024, 2048 direction_{x,y,z}[head] combined gaze
+ * direction, unit length origin_{x,y,z}[head,m]                    combined gaze origin left_direction_...,
+ * left_origin_...       the same of the left eye, then left_openness[0..1] left_pupil[mm]        its openness
+ * (0 closed) and pupil diameter; then right_... head_{x,y,z}[world,m] head_q{x,y,z,w}[head-to-world]   head
+ * pose: position, unit quaternion
+ *
+ * Frames are right-handed: +X right, +Y up, -Z forward. Times are whole nanoseconds and never go back.
+ * Numbers are decimal and read back exactly. A field whose bit is unset is written as 0. The last line ends
+ * with a newline: one that does not was cut off and is refused. Lines may end with CRLF.
+ */
+#ifndef FOVEAD_TRACKER_LOG_OWN_H
+#define FOVEAD_TRACKER_LOG_OWN_H
+
+#include "log/log.h"
+
+extern const struct trk_log_format trk_log_own;
+
+#endif

@@ -1,0 +1,267 @@
+/* Logs of HTC headsets: columns of the SRanipal SDK's eye data, and the head pose as Unity has it.
+ *
+ * `;` between fields, CRLF, a header that names the columns; they are found by name, and others are left
+ * alone.
+ *
+ * Time. time_stamp(ms) is the tracker's own clock, a signed 32-bit count that starts anywhere and wraps; its
+ * steps are the 8 or 9 ms of a 120 Hz camera. It becomes device_ns, unwrapped. time(100ns) is the host's
+ * clock in .NET ticks when the program fetched the sample; its steps wander by 2 ms. It becomes arrival_ns,
+ * from the first row. Rows with equal time are the same frame fetched twice and pass; time going back is
+ * refused.
+ *
+ * Eyes. SRanipal's frame is right-handed, in mm, +Y up and +Z forward, so +X points to the wearer's left. Two
+ * things in real recordings confirm it: the left eye's origin has x = +38 mm and the right eye's -32 mm; and
+ * while the head turns and the eye holds its target (vestibulo-ocular reflex), the eye must turn against the
+ * head: with x read as left, eye and head yaw velocity have slope -0.8, with x read as right +0.8, and the
+ * world gaze moves 3 times as much. Half a turn about Y takes this frame to ours: (-x, y, -z).
+ *
+ * Validity is a mask for each eye: bit 0 origin, 1 direction, 2 pupil, 3 openness, 4 place in the camera's
+ * picture; 31 is all. A lost direction is (0,0,0), a lost pupil -1, a lost origin the last one.
+ *
+ * Head. Unity's frame is left-handed, +X right, +Y up, +Z forward, in metres. Its Euler angles are degrees,
+ * wrap at 360 and are applied about Z, then X, then Y. Mirroring Z takes it to ours: the position's z and the
+ * angles about X and Y change sign, the angle about Z does not.
+ */
+#include "log/sranipal.h"
+
+#include <cglm/cglm.h>
+#include <math.h>
+#include <string.h>
+
+/* The columns that are read, in an order of our own: three of the row, nine of each eye, six of the head. */
+enum {
+    TICKS,
+    STAMP,
+    FRAME,
+    EYES,
+    HELMET_POSITION = EYES + 2 * 9,
+    HELMET_ROTATION = HELMET_POSITION + 3,
+    COLUMNS = HELMET_ROTATION + 3,
+};
+enum { EYE_VALID, EYE_OPENNESS, EYE_PUPIL, EYE_ORIGIN, EYE_DIRECTION = EYE_ORIGIN + 3 };
+
+/* clang-format off */
+static const char *const names[COLUMNS] = {
+    "time(100ns)", "time_stamp(ms)", "frame",
+    "eye_valid_L", "openness_L", "pupil_diameter_L(mm)",
+    "gaze_origin_L.x(mm)", "gaze_origin_L.y(mm)", "gaze_origin_L.z(mm)",
+    "gaze_direct_L.x", "gaze_direct_L.y", "gaze_direct_L.z",
+    "eye_valid_R", "openness_R", "pupil_diameter_R(mm)",
+    "gaze_origin_R.x(mm)", "gaze_origin_R.y(mm)", "gaze_origin_R.z(mm)",
+    "gaze_direct_R.x", "gaze_direct_R.y", "gaze_direct_R.z",
+    "helmet_pos_x", "helmet_pos_y", "helmet_pos_z",
+    "helmet_rot_x", "helmet_rot_y", "helmet_rot_z",
+};
+/* clang-format on */
+
+/* Bits of SRanipal's mask of an eye. */
+enum { HAS_ORIGIN = 1, HAS_DIRECTION = 2, HAS_PUPIL = 4, HAS_OPENNESS = 8 };
+
+/* One file as it is read. */
+struct reader {
+    struct trk_lines *lines;
+    size_t header_count;   /* columns of the header */
+    size_t place[COLUMNS]; /* where each of ours is among them */
+    char *fields[TRK_MAX_FIELDS];
+    bool started;
+    int64_t first_tick, first_frame;
+    uint32_t last_stamp;
+    uint64_t device_ms, sequence;
+};
+
+static bool detect(const char *first_line)
+{
+    return strncmp(first_line, names[TICKS], strlen(names[TICKS])) == 0 && strchr(first_line, ';') &&
+           strstr(first_line, "gaze_direct_");
+}
+
+static bool read_header(struct reader *reader, char out_error[TRK_ERROR_SIZE])
+{
+    struct trk_lines *lines = reader->lines;
+    reader->header_count = trk_split(lines->text, ';', reader->fields);
+    if (reader->header_count > TRK_MAX_FIELDS)
+        return trk_lines_fail(lines, out_error, "header has %zu columns, expected at most %d",
+                              reader->header_count, TRK_MAX_FIELDS);
+    for (int i = 0; i < COLUMNS; i++) {
+        size_t k = 0;
+        while (k < reader->header_count && strcmp(reader->fields[k], names[i]) != 0) k++;
+        if (k == reader->header_count)
+            return trk_lines_fail(lines, out_error, "header lacks a column, expected '%s'", names[i]);
+        reader->place[i] = k;
+    }
+    return true;
+}
+
+static bool read_integer(struct reader *reader, int column, int64_t *out_value,
+                         char out_error[TRK_ERROR_SIZE])
+{
+    const char *field = reader->fields[reader->place[column]];
+    if (trk_parse_int64(field, out_value)) return true;
+    return trk_lines_fail(reader->lines, out_error, "%s is '%.40s', expected a whole number", names[column],
+                          field);
+}
+
+/* n numbers in columns that follow each other in our order. When they are not valid, whatever text is there
+ * passes. */
+static bool read_floats(struct reader *reader, int column, int n, bool valid, float *out_values,
+                        char out_error[TRK_ERROR_SIZE])
+{
+    for (int i = 0; i < n && valid; i++) {
+        const char *field = reader->fields[reader->place[column + i]];
+        if (!trk_parse_float(field, &out_values[i]) || !isfinite(out_values[i]))
+            return trk_lines_fail(reader->lines, out_error, "%s is '%.40s', expected a finite number",
+                                  names[column + i], field);
+    }
+    return true;
+}
+
+/* Both clocks and the sequence number. */
+static bool read_time(struct reader *reader, struct trk_sample *out_sample, char out_error[TRK_ERROR_SIZE])
+{
+    int64_t tick, stamp, frame;
+    if (!read_integer(reader, TICKS, &tick, out_error) || !read_integer(reader, STAMP, &stamp, out_error) ||
+        !read_integer(reader, FRAME, &frame, out_error))
+        return false;
+    if (stamp < INT32_MIN || stamp > UINT32_MAX)
+        return trk_lines_fail(reader->lines, out_error, "%s is %lld, expected a 32-bit count", names[STAMP],
+                              (long long)stamp);
+    if (!reader->started) {
+        reader->started = true;
+        reader->first_tick = tick;
+        reader->first_frame = frame;
+        reader->last_stamp = (uint32_t)stamp;
+    }
+    /* Modulo 2^32: a step of more than half the range is one back. */
+    uint32_t step = (uint32_t)stamp - reader->last_stamp;
+    if (step > INT32_MAX)
+        return trk_lines_fail(reader->lines, out_error, "%s goes back by %u ms, expected it never to",
+                              names[STAMP], -step);
+    int64_t ticks;
+    if (__builtin_sub_overflow(tick, reader->first_tick, &ticks) || ticks < 0 || ticks > INT64_MAX / 100)
+        return trk_lines_fail(reader->lines, out_error, "%s is %lld, expected %lld or a little later",
+                              names[TICKS], (long long)tick, (long long)reader->first_tick);
+    reader->last_stamp = (uint32_t)stamp;
+    reader->device_ms += step;
+    /* A skipped frame is a lost sample; a frame fetched twice or a counter that starts anew is not. */
+    uint64_t counted = frame < reader->first_frame ? 0 : (uint64_t)frame - (uint64_t)reader->first_frame + 1;
+    reader->sequence = counted > reader->sequence ? counted : reader->sequence + 1;
+
+    out_sample->sequence = reader->sequence;
+    out_sample->device_ns =
+        reader->device_ms * 1000000; /* 2^26 rows of 2^31 ms are checked by trk_log_append() */
+    out_sample->arrival_ns = (uint64_t)ticks * 100;
+    return true;
+}
+
+static void turn_mm_to_m(float v[3])
+{
+    v[0] *= -1e-3f;
+    v[1] *= 1e-3f;
+    v[2] *= -1e-3f;
+}
+
+static bool read_eye(struct reader *reader, int index, struct trk_sample *sample,
+                     char out_error[TRK_ERROR_SIZE])
+{
+    int column = EYES + 9 * index, shift = 4 * index;
+    struct trk_eye *eye = &sample->eye[index];
+    int64_t mask;
+    if (!read_integer(reader, column + EYE_VALID, &mask, out_error)) return false;
+    if (!read_floats(reader, column + EYE_DIRECTION, 3, mask & HAS_DIRECTION, eye->direction, out_error) ||
+        !read_floats(reader, column + EYE_ORIGIN, 3, mask & HAS_ORIGIN, eye->origin, out_error) ||
+        !read_floats(reader, column + EYE_OPENNESS, 1, mask & HAS_OPENNESS, &eye->openness, out_error) ||
+        !read_floats(reader, column + EYE_PUPIL, 1, mask & HAS_PUPIL, &eye->pupil_mm, out_error))
+        return false;
+    if (glm_vec3_eq(eye->direction, 0)) mask &= ~HAS_DIRECTION;
+    if (mask & HAS_DIRECTION) {
+        if (!trk_is_unit(eye->direction, 3))
+            return trk_lines_fail(reader->lines, out_error,
+                                  "%s and the next two are not of unit length, expected that",
+                                  names[column + EYE_DIRECTION]);
+        eye->direction[0] *= -1;
+        eye->direction[2] *= -1;
+        glm_vec3_normalize(eye->direction);
+        sample->valid |= TRK_LEFT_DIRECTION << shift;
+    }
+    if (mask & HAS_ORIGIN) {
+        turn_mm_to_m(eye->origin);
+        sample->valid |= TRK_LEFT_ORIGIN << shift;
+    }
+    if (mask & HAS_OPENNESS) sample->valid |= TRK_LEFT_OPENNESS << shift;
+    if (mask & HAS_PUPIL) sample->valid |= TRK_LEFT_PUPIL << shift;
+    return true;
+}
+
+/* The combined gaze: the mean of the eyes that are valid; one is enough. */
+static void combine(struct trk_sample *sample)
+{
+    int origins = 0;
+    for (int i = 0; i < 2; i++) {
+        if (sample->valid & TRK_LEFT_DIRECTION << 4 * i)
+            glm_vec3_add(sample->direction, sample->eye[i].direction, sample->direction);
+        if (sample->valid & TRK_LEFT_ORIGIN << 4 * i) {
+            glm_vec3_add(sample->origin, sample->eye[i].origin, sample->origin);
+            origins++;
+        }
+    }
+    /* Two eyes that look apart by half a turn have no mean. */
+    if (glm_vec3_norm(sample->direction) > 1e-3f) {
+        glm_vec3_normalize(sample->direction);
+        sample->valid |= TRK_DIRECTION;
+    } else {
+        glm_vec3_zero(sample->direction);
+    }
+    if (origins > 0) {
+        glm_vec3_scale(sample->origin, 1.f / origins, sample->origin);
+        sample->valid |= TRK_ORIGIN;
+    }
+}
+
+static bool read_head(struct reader *reader, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
+{
+    float angles[3];
+    if (!read_floats(reader, HELMET_POSITION, 3, true, sample->head, out_error) ||
+        !read_floats(reader, HELMET_ROTATION, 3, true, angles, out_error))
+        return false;
+    sample->head[2] *= -1;
+    versor x, y, z, q;
+    glm_quatv(x, -glm_rad(angles[0]), GLM_XUP);
+    glm_quatv(y, -glm_rad(angles[1]), GLM_YUP);
+    glm_quatv(z, glm_rad(angles[2]), GLM_ZUP);
+    glm_quat_mul(y, x, q);
+    glm_quat_mul(q, z, q);
+    glm_quat_normalize(q);
+    memcpy(&sample->head[3], q, sizeof q);
+    sample->valid |= TRK_HEAD;
+    return true;
+}
+
+static bool read_sranipal(struct trk_lines *lines, struct trk_log *out_log, char out_error[TRK_ERROR_SIZE])
+{
+    struct reader reader = {.lines = lines};
+    size_t capacity = 0;
+    if (!read_header(&reader, out_error)) return false;
+    for (;;) {
+        enum trk_line line = trk_lines_next(lines, out_error);
+        if (line == TRK_LINE_END) return true;
+        if (line == TRK_LINE_FAILED) return false;
+        if (lines->text[0] == '\0') continue; /* these logs end with an empty line */
+        size_t count = trk_split(lines->text, ';', reader.fields);
+        if (count != reader.header_count)
+            return trk_lines_fail(lines, out_error, "%zu columns, expected %zu as in the header", count,
+                                  reader.header_count);
+        struct trk_sample sample = {0};
+        if (!read_time(&reader, &sample, out_error) || !read_eye(&reader, 0, &sample, out_error) ||
+            !read_eye(&reader, 1, &sample, out_error) || !read_head(&reader, &sample, out_error))
+            return false;
+        combine(&sample);
+        if (!trk_log_append(out_log, &capacity, &sample, lines, out_error)) return false;
+    }
+}
+
+const struct trk_log_format trk_log_sranipal = {
+    .name = "HTC SRanipal",
+    .expects = "HTC SRanipal's columns (time(100ns);time_stamp(ms);...)",
+    .detect = detect,
+    .read = read_sranipal,
+};

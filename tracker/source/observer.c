@@ -1,0 +1,360 @@
+/* The synthetic observer: the model and its constants. */
+#include "source/observer.h"
+
+#include <cglm/cglm.h>
+#include <math.h>
+
+/* Fixations last lognormally: mean 275 ms, the middle of the usual 250 to 300 ms of scene viewing. */
+static const double fixation_mean_s = 0.275, fixation_sigma = 0.4;
+
+/* Main sequence, Dai et al. 2016, defaults: Vp = eta (1 - exp(-A / c)). */
+static const double saccade_eta = 600, saccade_c = 6;
+/* The closed form never quite starts or ends; 25 ms outside it is within 0.02 degrees of its ends. */
+static const double saccade_tail_s = 0.025;
+
+/* Saccade amplitudes: exponential with a mean of 5 to 8 degrees in free viewing, rarely beyond 30. */
+static const double amplitude_mean_deg = 6.5, amplitude_max_deg = 30;
+/* Gaze in panoramas stays near the equator (Sitzmann et al. 2018, "Saliency in VR") and explores along it:
+ * saccades spread about the horizontal, keep their sense for a few, and landing far up or down is less
+ * likely. */
+static const double bearing_sigma_deg = 35, turn_probability = 0.15, elevation_sigma_deg = 25;
+static const int saccade_tries = 16;
+
+/* The eye turns some 50 degrees in its socket at most (Guitton and Volle 1987). The head follows when gaze
+ * goes beyond 20 degrees from where the head is bound, and takes most of the way. */
+static const double oculomotor_range_deg = 50, head_follows_deg = 20, head_share = 0.8;
+/* Time constant of 1/8 s: a 40 degree head movement peaks at 120 deg/s and takes half a second. */
+static const double head_rate = 8;
+/* The eyes turn about the neck: 0.075 m above and 0.080 m before it (Google Cardboard's neck model). */
+static const float neck_up_m = 0.075f, neck_forward_m = 0.080f;
+static const float half_ipd_m = 0.0315f; /* Dodgson 2004: mean 63 mm */
+
+/* Drift as a random walk of 30 square arc minutes a second; one to two microsaccades a second, 14 to 38 arc
+ * minutes, which bring gaze back to near the target. */
+static const double drift_arcmin2_per_s = 30, microsaccade_hz = 1.5, microsaccade_deg = 0.3;
+
+/* Tracker: white noise of 0.2 deg rms from sample to sample in the combined gaze (twice the deviation of an
+ * axis), and a calibration bias of 0.7 deg rms that wanders within 20 s. */
+static const double noise_s2s_deg = 0.2, bias_rms_deg = 0.7, bias_time_s = 20;
+/* Resolution of what it reports: a ten-thousandth of a degree would be idle. */
+static const double unit_steps = 1e5, metre_steps = 1e4, scalar_steps = 100;
+
+/* Blinks: 15 a minute, of 100 to 400 ms, at least a second apart. The lid goes down in the first third and up
+ * again in the last half; the pupil is hidden while less than half of it is open. */
+static const double blink_period_s = 4, blink_pause_s = 1, blink_min_s = 0.1, blink_max_s = 0.4;
+static const double blink_down = 0.3, blink_up = 0.55, hidden_openness = 0.5;
+
+/* Drop-outs: the tracker loses both eyes about six times a minute for 1 to 6 samples. */
+static const double dropout_period_s = 10, dropout_min_s = 0.005, dropout_max_s = 0.05;
+
+static const double pupil_mean_mm = 3.5, pupil_rms_mm = 0.3, pupil_time_s = 5;
+
+static const uint32_t lid_bits = TRK_HEAD | TRK_LEFT_OPENNESS | TRK_RIGHT_OPENNESS;
+static const uint32_t all_bits = TRK_DIRECTION | TRK_ORIGIN | TRK_HEAD | TRK_LEFT_DIRECTION |
+                                 TRK_LEFT_ORIGIN | TRK_LEFT_OPENNESS | TRK_LEFT_PUPIL | TRK_RIGHT_DIRECTION |
+                                 TRK_RIGHT_ORIGIN | TRK_RIGHT_OPENNESS | TRK_RIGHT_PUPIL;
+
+/* --- chance ---------------------------------------------------------------------------------------------- */
+
+/* In (0, 1). SplitMix64 (Steele, Lea and Flood 2014): any seed will do, also neighbouring ones. */
+static double uniform(struct trk_observer *o)
+{
+    uint64_t z = o->random += 0x9e3779b97f4a7c15;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
+    z ^= z >> 31;
+    return ((double)(z >> 12) + 0.5) * 0x1p-52;
+}
+
+/* Box and Muller 1958. */
+static double normal(struct trk_observer *o)
+{
+    double radius = sqrt(-2 * log(uniform(o)));
+    return radius * cos(2 * M_PI * uniform(o));
+}
+
+static double exponential(struct trk_observer *o, double mean)
+{
+    return -mean * log(uniform(o));
+}
+
+static double between(struct trk_observer *o, double low, double high)
+{
+    return low + (high - low) * uniform(o);
+}
+
+/* One sample's step of an Ornstein-Uhlenbeck process about zero with this rms and time constant. */
+static double wander(struct trk_observer *o, double value, double rms, double time_s)
+{
+    double keep = exp(-1 / (time_s * TRK_OBSERVER_HZ));
+    return value * keep + rms * sqrt(1 - keep * keep) * normal(o);
+}
+
+/* --- directions ------------------------------------------------------------------------------------------ */
+
+/* Right and up as seen when looking along a direction. */
+static void tangents(vec3 direction, vec3 out_right, vec3 out_up)
+{
+    glm_vec3_cross(direction, GLM_YUP, out_right);
+    if (glm_vec3_norm(out_right) < 1e-3f) glm_vec3_copy(GLM_XUP, out_right);
+    glm_vec3_normalize(out_right);
+    glm_vec3_cross(out_right, direction, out_up);
+}
+
+/* A direction moved by small angles to the right and up. */
+static void displace(vec3 direction, const double deg[2], vec3 out)
+{
+    vec3 right, up;
+    tangents(direction, right, up);
+    glm_vec3_copy(direction, out);
+    glm_vec3_muladds(right, (float)tan(deg[0] * M_PI / 180), out);
+    glm_vec3_muladds(up, (float)tan(deg[1] * M_PI / 180), out);
+    glm_vec3_normalize(out);
+}
+
+static void along_arc(vec3 from, vec3 tangent, double deg, vec3 out)
+{
+    glm_vec3_scale(from, (float)cos(deg * M_PI / 180), out);
+    glm_vec3_muladds(tangent, (float)sin(deg * M_PI / 180), out);
+    glm_vec3_normalize(out);
+}
+
+static double elevation_deg(vec3 direction)
+{
+    return asin(glm_clamp(direction[1], -1, 1)) * 180 / M_PI;
+}
+
+static void head_pose(const double deg[2], versor out)
+{
+    versor yaw, pitch;
+    glm_quatv(yaw, (float)(deg[0] * M_PI / 180), GLM_YUP);
+    glm_quatv(pitch, (float)(deg[1] * M_PI / 180), GLM_XUP);
+    glm_quat_mul(yaw, pitch, out);
+}
+
+/* --- gaze ------------------------------------------------------------------------------------------------ */
+
+/* Position of a point that starts to move with velocity 1 at t = 0, smoothly; Dai et al. 2016, eq. 5. */
+static double smooth_ramp(double t)
+{
+    return (t >= 0 ? t : 0) + 0.25 * exp(-2 * fabs(t));
+}
+
+double trk_saccade_deg(double amplitude_deg, double t_s)
+{
+    double t = saccade_eta * (t_s - saccade_tail_s) / saccade_c;
+    return saccade_c * (smooth_ramp(t) - smooth_ramp(t - amplitude_deg / saccade_c));
+}
+
+double trk_saccade_s(double amplitude_deg)
+{
+    return amplitude_deg / saccade_eta + 2 * saccade_tail_s;
+}
+
+static void gaze_at(struct trk_observer *o, double t_s, vec3 out)
+{
+    if (o->is_saccade)
+        along_arc(o->fixation, o->tangent, trk_saccade_deg(o->amplitude_deg, t_s - o->phase_start_s), out);
+    else
+        displace(o->fixation, o->offset_deg, out);
+}
+
+static void begin_fixation(struct trk_observer *o)
+{
+    double mu = log(fixation_mean_s) - 0.5 * fixation_sigma * fixation_sigma;
+    if (o->is_saccade) along_arc(o->fixation, o->tangent, o->amplitude_deg, o->fixation);
+    o->is_saccade = false;
+    o->offset_deg[0] = o->offset_deg[1] = 0;
+    o->phase_start_s = o->phase_end_s;
+    o->phase_end_s += exp(mu + fixation_sigma * normal(o));
+}
+
+/* The head is bound for most of the way to a target that is far from where it is bound already. */
+static void send_head(struct trk_observer *o, vec3 target)
+{
+    double yaw = remainder(atan2(-target[0], -target[2]) * 180 / M_PI - o->head_target_deg[0], 360);
+    double pitch = elevation_deg(target) - o->head_target_deg[1];
+    if (hypot(yaw, pitch) <= head_follows_deg) return;
+    o->head_target_deg[0] += head_share * yaw;
+    o->head_target_deg[1] += head_share * pitch;
+}
+
+/* Draw targets until one is taken: near the horizon almost always, where the eye cannot turn never. When no
+ * try is taken the most likely one is, and when none is in reach gaze stays where it is until the head has
+ * caught up. */
+static void begin_saccade(struct trk_observer *o)
+{
+    versor head;
+    vec3 from, right, up, forward = {0, 0, -1};
+    gaze_at(o, o->phase_end_s, from);
+    tangents(from, right, up);
+    head_pose(o->head_deg, head);
+    glm_quat_rotatev(head, forward, forward);
+    if (uniform(o) < turn_probability) o->sweep = -o->sweep;
+
+    double best = 0;
+    o->amplitude_deg = 0;
+    glm_vec3_copy(right, o->tangent);
+    for (int i = 0; i < saccade_tries; i++) {
+        double amplitude = fmin(exponential(o, amplitude_mean_deg), amplitude_max_deg);
+        double bearing = bearing_sigma_deg * normal(o) * M_PI / 180;
+        vec3 tangent, target;
+        glm_vec3_scale(right, (float)(o->sweep * cos(bearing)), tangent);
+        glm_vec3_muladds(up, (float)sin(bearing), tangent);
+        along_arc(from, tangent, amplitude, target);
+        double elevation = elevation_deg(target) / elevation_sigma_deg;
+        bool in_reach = glm_vec3_angle(forward, target) * 180 / M_PI <= oculomotor_range_deg;
+        double weight = in_reach ? exp(-0.5 * elevation * elevation) : 0;
+        bool taken = uniform(o) < weight;
+        if (taken || weight > best) {
+            best = weight;
+            o->amplitude_deg = amplitude;
+            glm_vec3_copy(tangent, o->tangent);
+        }
+        if (taken) break;
+    }
+    vec3 target;
+    along_arc(from, o->tangent, o->amplitude_deg, target);
+    send_head(o, target);
+    glm_vec3_copy(from, o->fixation);
+    o->is_saccade = true;
+    o->phase_start_s = o->phase_end_s;
+    o->phase_end_s += trk_saccade_s(o->amplitude_deg);
+}
+
+static void drift(struct trk_observer *o)
+{
+    double step_deg = sqrt(2 * drift_arcmin2_per_s / TRK_OBSERVER_HZ) / 60;
+    bool back = uniform(o) < microsaccade_hz / TRK_OBSERVER_HZ;
+    for (int i = 0; i < 2; i++)
+        o->offset_deg[i] =
+            back ? 0.5 * microsaccade_deg * normal(o) : o->offset_deg[i] + step_deg * normal(o);
+}
+
+/* One sample's step of the critically damped approach to the target, exact for any step. */
+static void turn_head(struct trk_observer *o)
+{
+    double dt = 1.0 / TRK_OBSERVER_HZ, decay = exp(-head_rate * dt);
+    for (int i = 0; i < 2; i++) {
+        double error = o->head_deg[i] - o->head_target_deg[i];
+        double slope = o->head_speed[i] + head_rate * error;
+        o->head_deg[i] = o->head_target_deg[i] + (error + slope * dt) * decay;
+        o->head_speed[i] = (o->head_speed[i] - head_rate * slope * dt) * decay;
+    }
+}
+
+/* --- what the tracker makes of it ------------------------------------------------------------------------ */
+
+static double openness_at(const struct trk_observer *o, double t_s)
+{
+    double u = (t_s - o->blink_start_s) / o->blink_length_s;
+    if (u <= 0 || u >= 1) return 1;
+    if (u < blink_down) return 1 - u / blink_down;
+    return u < blink_up ? 0 : (u - blink_up) / (1 - blink_up);
+}
+
+/* After an event is over, draw when the next one starts, and how long it will be. */
+static void renew(struct trk_observer *o, double t_s, double period_s, double pause_s, double min_s,
+                  double max_s, double *start_s, double *length_s)
+{
+    if (t_s < *start_s + *length_s) return;
+    *start_s += pause_s + exponential(o, period_s - pause_s);
+    *length_s = between(o, min_s, max_s);
+}
+
+/* Rounded to whole steps, of which there are `steps` to the unit. Adding zero turns -0 to 0. */
+static float round_to(double value, double steps)
+{
+    return (float)(rint(value * steps) / steps + 0.0);
+}
+
+static void round_vector(vec3 v, double steps, float out[3])
+{
+    for (int i = 0; i < 3; i++) out[i] = round_to(v[i], steps);
+}
+
+/* Eyes look in parallel, since a panorama is far away; each has noise of its own, and their mean has less. */
+static void measure_gaze(struct trk_observer *o, vec3 gaze, double openness, struct trk_sample *sample)
+{
+    double eye_noise_deg = 0.5 * M_SQRT2 * noise_s2s_deg;
+    vec3 combined = GLM_VEC3_ZERO_INIT;
+    for (int i = 0; i < 2; i++) {
+        struct trk_eye *eye = &sample->eye[i];
+        vec3 direction;
+        displace(gaze,
+                 (double[2]){o->bias_deg[0] + eye_noise_deg * normal(o),
+                             o->bias_deg[1] + eye_noise_deg * normal(o)},
+                 direction);
+        glm_vec3_add(combined, direction, combined);
+        round_vector(direction, unit_steps, eye->direction);
+        eye->origin[0] = i == 0 ? -half_ipd_m : half_ipd_m;
+        eye->pupil_mm = round_to(o->pupil_mm, scalar_steps);
+        eye->openness = round_to(openness, scalar_steps);
+    }
+    glm_vec3_normalize(combined);
+    round_vector(combined, unit_steps, sample->direction);
+}
+
+static void measure_head(versor head, struct trk_sample *sample)
+{
+    vec3 neck_to_eyes = {0, neck_up_m, -neck_forward_m}, eyes;
+    glm_quat_rotatev(head, neck_to_eyes, eyes);
+    glm_vec3_sub(eyes, neck_to_eyes, eyes); /* 0 when the head looks straight on */
+    round_vector(eyes, metre_steps, sample->head);
+    for (int i = 0; i < 4; i++) sample->head[3 + i] = round_to(head[i], unit_steps);
+}
+
+void trk_observer_init(struct trk_observer *observer, uint64_t seed)
+{
+    *observer = (struct trk_observer){.random = seed, .fixation = {0, 0, -1}};
+    observer->sweep = uniform(observer) < 0.5 ? -1 : 1;
+    for (int i = 0; i < 2; i++) observer->bias_deg[i] = bias_rms_deg * M_SQRT1_2 * normal(observer);
+    observer->pupil_mm = pupil_mean_mm;
+    begin_fixation(observer);
+}
+
+void trk_observer_next(struct trk_observer *o, struct trk_sample *out_sample)
+{
+    uint64_t tick = o->tick++;
+    double t_s = (double)tick / TRK_OBSERVER_HZ;
+    while (o->phase_end_s <= t_s) {
+        if (o->is_saccade)
+            begin_fixation(o);
+        else
+            begin_saccade(o);
+    }
+    if (!o->is_saccade) drift(o);
+    if (tick > 0) turn_head(o);
+    renew(o, t_s, blink_period_s, blink_pause_s, blink_min_s, blink_max_s, &o->blink_start_s,
+          &o->blink_length_s);
+    renew(o, t_s, dropout_period_s, 0, dropout_min_s, dropout_max_s, &o->dropout_start_s,
+          &o->dropout_length_s);
+    for (int i = 0; i < 2; i++)
+        o->bias_deg[i] = wander(o, o->bias_deg[i], bias_rms_deg * M_SQRT1_2, bias_time_s);
+    o->pupil_mm = pupil_mean_mm + wander(o, o->pupil_mm - pupil_mean_mm, pupil_rms_mm, pupil_time_s);
+
+    *out_sample = (struct trk_sample){
+        .sequence = tick + 1,
+        .device_ns =
+            tick / TRK_OBSERVER_HZ * 1000000000 + tick % TRK_OBSERVER_HZ * 1000000000 / TRK_OBSERVER_HZ,
+        .valid = TRK_HEAD,
+    };
+    out_sample->arrival_ns = out_sample->device_ns;
+
+    vec3 gaze;
+    versor head, back;
+    head_pose(o->head_deg, head);
+    measure_head(head, out_sample);
+    if (t_s >= o->dropout_start_s && t_s < o->dropout_start_s + o->dropout_length_s) return;
+    double openness = openness_at(o, t_s);
+    if (openness < hidden_openness) {
+        out_sample->valid = lid_bits;
+        out_sample->eye[0].openness = out_sample->eye[1].openness = round_to(openness, scalar_steps);
+        return;
+    }
+    gaze_at(o, t_s, gaze);
+    glm_quat_inv(head, back);
+    glm_quat_rotatev(back, gaze, gaze);
+    measure_gaze(o, gaze, openness, out_sample);
+    out_sample->valid = all_bits;
+}

@@ -1,0 +1,50 @@
+/* A synthetic observer: how the eye and head of someone who looks around in a panorama move, and what a
+ * headset's tracker makes of it. Every number follows from the seed.
+ *
+ * Fixations follow one another over the sphere, joined by saccades on the main sequence; gaze shifts that
+ * would turn the eye far in its socket take the head along, and the eye turns back against it. Drift,
+ * microsaccades, blinks, and the tracker's noise, bias and drop-outs come on top. The synthetic source and
+ * trk_synthesise() share it.
+ */
+#ifndef FOVEAD_TRACKER_OBSERVER_H
+#define FOVEAD_TRACKER_OBSERVER_H
+
+#include "tracker.h"
+
+enum { TRK_OBSERVER_HZ = 120 };
+
+struct trk_observer {
+    uint64_t random; /* state of the generator */
+    uint64_t tick;   /* samples so far */
+
+    /* Gaze in the world. While a saccade lasts it runs from `fixation` along `tangent` (both unit, at right
+     * angles). */
+    bool is_saccade;
+    double phase_start_s, phase_end_s; /* of this fixation or saccade */
+    float fixation[3], tangent[3];
+    double amplitude_deg;
+    double offset_deg[2]; /* drift and microsaccades, right and up of the fixation */
+    double sweep;         /* +1 while exploring to the right, -1 to the left */
+
+    /* Head: yaw to the left, pitch upwards, each a critically damped second-order system. */
+    double head_deg[2], head_speed[2], head_target_deg[2];
+
+    double blink_start_s, blink_length_s;
+    double dropout_start_s, dropout_length_s;
+    double bias_deg[2]; /* of the calibration */
+    double pupil_mm;
+};
+
+void trk_observer_init(struct trk_observer *observer, uint64_t seed);
+
+/* The next sample, TRK_OBSERVER_HZ a second; arrival_ns is device_ns, sequence counts from 1. */
+void trk_observer_next(struct trk_observer *observer, struct trk_sample *out_sample);
+
+/* How far, in degrees, a saccade of this amplitude has come t seconds after its start. The closed form of
+ * Dai, Selesnick, Rizzo, Rucker and Hudson 2016; its peak velocity is 600 (1 - exp(-amplitude / 6)) deg/s. */
+double trk_saccade_deg(double amplitude_deg, double t_s);
+
+/* How long a saccade of this amplitude takes, in seconds, its slow ends included. */
+double trk_saccade_s(double amplitude_deg);
+
+#endif

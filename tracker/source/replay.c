@@ -1,0 +1,132 @@
+/* A recorded log as a source: paced by its own timestamps, at any speed, once or for ever. */
+#include "source/source.h"
+
+#include "error.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* Speeds that keep a step of the longest log within 64 bits of nanoseconds, and a sample within a second. */
+static const double slowest = 0.01, fastest = 1000;
+
+/* The step from the last sample to the first of the next lap when the log itself has no step: one of 120 Hz.
+ */
+static const uint64_t lone_step_ns = 8333333;
+
+struct replay {
+    struct trk_source source;
+    struct trk_log log;
+    double speed;
+    bool loop;
+    uint64_t lap_ns, lap_sequence; /* how far time and sequence go in a lap */
+    uint64_t lap;
+    size_t next;
+};
+
+static uint64_t first_ns(const struct replay *replay)
+{
+    return replay->log.samples[0].device_ns;
+}
+
+/* On the log's own clock: the last lap's end is a usual step after its last sample. */
+static void measure_lap(struct replay *replay)
+{
+    const struct trk_log *log = &replay->log;
+    uint64_t span_ns = log->samples[log->count - 1].device_ns - first_ns(replay);
+    uint64_t step_ns = log->count > 1 ? span_ns / (log->count - 1) : 0;
+    replay->lap_ns = span_ns + (step_ns ? step_ns : lone_step_ns);
+    replay->lap_sequence = log->samples[log->count - 1].sequence - log->samples[0].sequence + 1;
+}
+
+static void describe(struct replay *replay, const char *path)
+{
+    const struct trk_log *log = &replay->log;
+    double seconds = (double)(log->samples[log->count - 1].device_ns - first_ns(replay)) / 1e9;
+    char rate[32] = "";
+    if (seconds > 0) snprintf(rate, sizeof rate, ", %.0f Hz", (double)(log->count - 1) / seconds);
+    bool head = false;
+    for (size_t i = 0; i < log->count && !head; i++) head = log->samples[i].valid & TRK_HEAD;
+    snprintf(replay->source.description, sizeof replay->source.description,
+             "replay of %.300s: %zu samples, %.1f s%s, %s", path, log->count, seconds, rate,
+             head ? "head pose" : "no head pose");
+}
+
+static void replay_close(struct trk_source *source)
+{
+    struct replay *replay = (struct replay *)source;
+    trk_log_finish(&replay->log);
+    trk_source_destroy(source);
+}
+
+static struct trk_source *replay_open(const char *path, const struct trk_source_options *options,
+                                      char out_error[TRK_ERROR_SIZE])
+{
+    if (!path || !*path) {
+        trk_fail(out_error, "gaze source 'replay': expected replay:FILE");
+        return NULL;
+    }
+    if (options->speed != 0 && !(options->speed >= slowest && options->speed <= fastest)) {
+        trk_fail(out_error, "replay speed %g: expected %g to %g, or 0 for as fast as it is read",
+                 options->speed, slowest, fastest);
+        return NULL;
+    }
+    struct replay *replay = trk_source_create(sizeof *replay, &trk_replay, options->virtual_clock);
+    if (!replay) {
+        trk_fail(out_error, "%s: no memory", path);
+        return NULL;
+    }
+    if (!trk_log_read(path, &replay->log, out_error)) {
+        replay_close(&replay->source);
+        return NULL;
+    }
+    replay->speed = options->speed;
+    replay->loop = options->loop;
+    measure_lap(replay);
+    describe(replay, path);
+    return &replay->source;
+}
+
+/* When the next sample is due, from the first read. Without pace it is due at once: now, or whatever the
+ * virtual clock says. */
+static enum trk_result wait_for_next(struct replay *replay, uint64_t log_ns, uint64_t until_ns,
+                                     uint64_t *out_arrival_ns)
+{
+    if (replay->speed == 0) {
+        *out_arrival_ns = replay->source.virtual_clock ? until_ns : trk_now_ns();
+        return TRK_SAMPLE;
+    }
+    double offset_ns = rint((double)log_ns / replay->speed);
+    return trk_source_pace(&replay->source, offset_ns < 0x1p63 ? (uint64_t)offset_ns : UINT64_MAX, until_ns,
+                           out_arrival_ns);
+}
+
+static enum trk_result replay_read(struct trk_source *source, uint64_t until_ns,
+                                   struct trk_sample *out_sample, char out_error[TRK_ERROR_SIZE])
+{
+    (void)out_error;
+    struct replay *replay = (struct replay *)source;
+    if (replay->next == replay->log.count) {
+        if (!replay->loop) return TRK_END;
+        replay->next = 0;
+        replay->lap++;
+    }
+    const struct trk_sample *sample = &replay->log.samples[replay->next];
+    uint64_t lap_ns = replay->lap * replay->lap_ns, arrival_ns;
+    enum trk_result result =
+        wait_for_next(replay, lap_ns + sample->device_ns - first_ns(replay), until_ns, &arrival_ns);
+    if (result != TRK_SAMPLE) return result;
+    *out_sample = *sample;
+    out_sample->device_ns += lap_ns;
+    out_sample->sequence += 1 - replay->log.samples[0].sequence + replay->lap * replay->lap_sequence;
+    out_sample->arrival_ns = arrival_ns;
+    replay->next++;
+    return TRK_SAMPLE;
+}
+
+const struct trk_source_type trk_replay = {
+    .name = "replay",
+    .usage = "replay:FILE",
+    .open = replay_open,
+    .read = replay_read,
+    .close = replay_close,
+};
