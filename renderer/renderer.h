@@ -1,16 +1,18 @@
 /* renderer: a progressive path tracer of 360-degree pictures whose samples fall where the eye can use them.
  *
  * A scene is loaded once; a render adds batches of paths to an equirectangular film, each batch placed by a
- * distribution around the newest gaze; tiles of the film can be read at any time at any level of detail. This folder
- * knows nothing of gaze devices or sockets.
+ * distribution around the newest gaze; tiles of the film can be read at any time at any level of detail. This
+ * folder knows nothing of gaze devices or sockets.
  *
  * Conventions
- * - Frames follow OpenXR and glTF: right-handed, +X right, +Y up, -Z forward; metres, radians; quaternions (x, y, z, w).
+ * - Frames follow OpenXR and glTF: right-handed, +X right, +Y up, -Z forward; metres, radians; quaternions
+ * (x, y, z, w).
  * - Equirectangular: u = 1/2 + atan2(x, -z) / 2 pi, v = 1/2 - asin(y) / pi, u wraps, row 0 is up.
  * - Radiance is linear, scene-referred, Rec.709 primaries, float.
- * - Every random number is addressed by (seed, pixel, sample, dimension): the same batches give the same film bit for
- *   bit, whatever the number of threads.
- * - Errors are one line of text in a caller's buffer of RND_ERROR_SIZE bytes that names the file and the cause.
+ * - Every random number is addressed by (seed, pixel, sample, dimension): the same batches give the same film
+ * bit for bit, whatever the number of threads.
+ * - Errors are one line of text in a caller's buffer of RND_ERROR_SIZE bytes that names the file and the
+ * cause.
  */
 #ifndef FOVEAD_RENDERER_H
 #define FOVEAD_RENDERER_H
@@ -21,11 +23,12 @@
 
 enum {
     RND_ERROR_SIZE = 512,
-    RND_TILE = 64,           /* pixels a side of a tile, at every level */
-    RND_MAX_WIDTH = 32768,   /* of a film; the height is half of it */
+    RND_TILE = 64,         /* pixels a side of a tile, at every level */
+    RND_MAX_WIDTH = 32768, /* of a film; the height is half of it */
 };
 
-/* --- scene --------------------------------------------------------------------------------------------------- */
+/* --- scene
+ * --------------------------------------------------------------------------------------------------- */
 
 struct rnd_scene;
 
@@ -33,10 +36,10 @@ struct rnd_scene_options {
     const char *path;     /* glTF, GLB, OBJ, or what else assimp reads */
     const char *env_path; /* equirectangular environment map, or NULL */
     bool has_sun;
-    float sun[4];         /* azimuth (deg, right of -Z), elevation (deg), irradiance on a surface facing it, angular
-                             diameter (deg, 0 to 90) */
+    float sun[4]; /* azimuth (deg, right of -Z), elevation (deg), irradiance on a surface facing it, angular
+                     diameter (deg, 0 to 90) */
     bool has_eye;
-    float eye[3];         /* m; without it the first camera of the file, else the middle of the scene's bounds */
+    float eye[3]; /* m; without it the first camera of the file, else the middle of the scene's bounds */
 };
 
 struct rnd_scene_info {
@@ -44,19 +47,22 @@ struct rnd_scene_info {
     uint32_t meshes, materials, textures, punctual_lights;
     bool has_env, has_sun;
     float eye[3];
-    float bounds[2][3];      /* lowest and highest corner, m */
+    float bounds[2][3]; /* lowest and highest corner, m */
     uint64_t texture_bytes;
     double read_seconds, build_seconds; /* import and textures; BVH and light tables */
-    const char *unsupported; /* what the file asks for and the renderer does not do, comma-separated; "" if nothing */
+    const char *
+        unsupported; /* what the file asks for and the renderer does not do, comma-separated; "" if nothing */
 };
 
-/* Load a scene. NULL and a line in out_error when the file is missing or broken, holds no triangle or a vertex that is
- * not finite, an image cannot be read, or nothing in it gives light. The caller frees with rnd_scene_destroy(). */
+/* Load a scene. NULL and a line in out_error when the file is missing or broken, holds no triangle or a
+ * vertex that is not finite, an image cannot be read, or nothing in it gives light. The caller frees with
+ * rnd_scene_destroy(). */
 struct rnd_scene *rnd_scene_load(const struct rnd_scene_options *options, char out_error[RND_ERROR_SIZE]);
 void rnd_scene_destroy(struct rnd_scene *scene); /* accepts NULL; after every render of it */
 const struct rnd_scene_info *rnd_scene_info(const struct rnd_scene *scene);
 
-/* --- where samples fall -------------------------------------------------------------------------------------- */
+/* --- where samples fall
+ * -------------------------------------------------------------------------------------- */
 
 /* What a batch is aimed at. */
 struct rnd_aim {
@@ -78,30 +84,33 @@ struct rnd_distribution {
     float (*density)(const struct rnd_aim *aim, const float direction[3]);
 };
 
-/* "od", "vp", "fv" (Koskela's polynomial), "fv-exact". NULL if there is none of that name; index in 0.. for a list. */
+/* "od", "vp", "fv" (Koskela's polynomial), "fv-exact". NULL if there is none of that name; index in 0.. for a
+ * list. */
 const struct rnd_distribution *rnd_distribution_find(const char *name);
 const struct rnd_distribution *rnd_distribution_at(size_t index);
 
-/* Relative visual acuity m(e) at e degrees from the gaze (Reddy 2001 after Koskela 2018 eq. 1): 1 up to 5.79. */
+/* Relative visual acuity m(e) at e degrees from the gaze (Reddy 2001 after Koskela 2018 eq. 1): 1 up to 5.79.
+ */
 float rnd_acuity(float eccentricity_deg);
-/* Eccentricity in degrees, 0 to 80, for u in [0,1): the inverse of the normalised integral of g(e) = 2 pi e m(e);
- * exact to float (Newton on Koskela 2018 eq. 5), and the published fit (eq. 7). */
+/* Eccentricity in degrees, 0 to 80, for u in [0,1): the inverse of the normalised integral of g(e) = 2 pi e
+ * m(e); exact to float (Newton on Koskela 2018 eq. 5), and the published fit (eq. 7). */
 float rnd_eccentricity_exact(float u);
 float rnd_eccentricity_polynomial(float u);
 
 /* Direction from azimuth (right of -Z) and elevation, rad. */
 void rnd_direction(float azimuth, float elevation, float out_direction[3]);
 
-/* --- render -------------------------------------------------------------------------------------------------- */
+/* --- render
+ * -------------------------------------------------------------------------------------------------- */
 
 struct rnd_render;
 
 struct rnd_render_options {
-    int width, height;   /* of the film: width a multiple of 2 * RND_TILE, height half of it */
-    int threads;         /* 0: one for each processor */
+    int width, height; /* of the film: width a multiple of 2 * RND_TILE, height half of it */
+    int threads;       /* 0: one for each processor */
     uint64_t seed;
-    int max_bounces;     /* 0: Russian roulette alone ends a path */
-    float error_bar;     /* relative standard error at which a tile is converged; 0: the default, 0.05 */
+    int max_bounces; /* 0: Russian roulette alone ends a path */
+    float error_bar; /* relative standard error at which a tile is converged; 0: the default, 0.05 */
     const struct rnd_distribution *distribution;
 };
 
@@ -111,28 +120,32 @@ struct rnd_render *rnd_render_create(const struct rnd_scene *scene, const struct
 void rnd_render_destroy(struct rnd_render *render); /* accepts NULL */
 
 struct rnd_batch {
-    uint64_t paths, rays, not_finite; /* traced in this batch; paths left out because their radiance was not finite */
+    uint64_t paths, rays, not_finite; /* traced in this batch; paths that counted as black because
+                                         their radiance was not finite */
     double seconds;                   /* wall time of the batch */
     double place_seconds;             /* of these, drawing and ordering positions */
 };
 
-/* Trace one batch of paths placed by the render's distribution around aim, and add it to the film. Blocks until done;
- * the caller's thread works too. now_ns is the time that tiles remember as aimed. One thread at a time. */
+/* Trace one batch of paths placed by the render's distribution around aim, and add it to the film. Blocks
+ * until done; the caller's thread works too. now_ns is the time that tiles remember as aimed. One thread at a
+ * time. */
 void rnd_render_batch(struct rnd_render *render, const struct rnd_aim *aim, uint64_t now_ns, uint32_t paths,
                       struct rnd_batch *out_batch);
 
-/* Trace one path in every cell of 16 x 16 pixels, so that every coarse pixel of the panorama has something. */
+/* Trace one path in every cell of 16 x 16 pixels, so that every coarse pixel of the panorama has something.
+ */
 void rnd_render_outline(struct rnd_render *render, const struct rnd_aim *aim, uint64_t now_ns,
                         struct rnd_batch *out_batch);
 
-/* --- film: any thread may read, while a batch runs ------------------------------------------------------------ */
+/* --- film: any thread may read, while a batch runs
+ * ------------------------------------------------------------ */
 
 struct rnd_tile {
-    uint64_t samples;        /* paths in it */
-    uint32_t unvisited;      /* pixels without any */
-    float error;             /* relative standard error of its pixels from the half-buffers; INFINITY before known */
-    float luminance;         /* mean, once the error is known */
-    bool converged;          /* error below the bar at two judgements in a row, every pixel with 16 paths or more */
+    uint64_t samples;   /* paths in it */
+    uint32_t unvisited; /* pixels without any */
+    float error;     /* relative standard error of its pixels from the half-buffers; INFINITY before known */
+    float luminance; /* mean, once the error is known */
+    bool converged;  /* error below the bar at two judgements in a row, every pixel with 16 paths or more */
     uint64_t gaze_sequence, gaze_ns, aimed_ns; /* of the newest batch that reached it */
 };
 
@@ -142,51 +155,56 @@ int rnd_render_levels(const struct rnd_render *render);
 /* State of all level-0 tiles, row by row: (width / RND_TILE) * (height / RND_TILE) of them. */
 void rnd_render_tiles(struct rnd_render *render, struct rnd_tile *out_tiles);
 
-/* Is the tile's error below what the eye can see at that eccentricity? Contrast threshold by Geisler and Perry 1998:
- * white noise of relative standard error s has contrast s f sqrt(1.5 pi) / p in an octave around f cycles per degree
- * at p pixels per degree; it is visible where that times 64 exp(-0.106 f (e + 2.3) / 2.3) exceeds 1/2. */
+/* Is the tile's error below what the eye can see at that eccentricity? Contrast threshold by Geisler and
+ * Perry 1998: white noise of relative standard error s has contrast s f sqrt(1.5 pi) / p in an octave around
+ * f cycles per degree at p pixels per degree; it is visible where that times 64 exp(-0.106 f (e + 2.3) / 2.3)
+ * exceeds 1/2. */
 float rnd_visible_error(float eccentricity_deg, float pixels_per_degree);
 bool rnd_tile_settled(const struct rnd_render *render, const struct rnd_tile *tile, int x, int y,
                       const float gaze[3]);
 
-/* Mean radiance of the tile (x, y) at a level: RND_TILE x RND_TILE x RGB floats. A pixel without a sample takes the
- * mean of the smallest square around it, by powers of two within the tile, that has one. False if the tile is
- * empty. *out_state (may be NULL) sums up the level-0 tiles below it. */
+/* Mean radiance of the tile (x, y) at a level: RND_TILE x RND_TILE x RGB floats. A pixel without a sample
+ * takes the mean of the smallest square around it, by powers of two within the tile, that has one. False if
+ * the tile is empty. *out_state (may be NULL) sums up the level-0 tiles below it. */
 bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *out_rgb,
                      struct rnd_tile *out_state);
 
-/* The whole film, width x height: mean radiance (RGB), number of paths, and standard error of the luminance from the
- * half-buffers (0 where fewer than two paths fell). Each may be NULL. Pixels without a path are 0. */
+/* The whole film, width x height: mean radiance (RGB), number of paths, and standard error of the luminance
+ * from the half-buffers (0 where fewer than two paths fell). Each may be NULL. Pixels without a path are 0.
+ */
 void rnd_render_resolve(struct rnd_render *render, float *out_rgb, float *out_samples, float *out_error);
 
-/* Write the film as EXR: R, G, B, "samples", "error", marked as an equirectangular environment for 360 viewers. */
+/* Write the film as EXR: R, G, B, "samples", "error", marked as an equirectangular environment for 360
+ * viewers. */
 bool rnd_render_save(struct rnd_render *render, const char *path, char out_error[RND_ERROR_SIZE]);
 
-/* --- images -------------------------------------------------------------------------------------------------- */
+/* --- images
+ * -------------------------------------------------------------------------------------------------- */
 
-/* An image file as width x height x RGB floats, linear (8-bit files are taken as sRGB). malloc'ed: the caller frees.
- * NULL and a line in out_error if it cannot be read or is over 1 Gi pixels. */
+/* An image file as width x height x RGB floats, linear (8-bit files are taken as sRGB). malloc'ed: the caller
+ * frees. NULL and a line in out_error if it cannot be read or is over 1 Gi pixels. */
 float *rnd_image_read(const char *path, int *out_width, int *out_height, char out_error[RND_ERROR_SIZE]);
 /* The one channel of that name, width x height floats. */
 float *rnd_image_read_channel(const char *path, const char *channel, int *out_width, int *out_height,
                               char out_error[RND_ERROR_SIZE]);
 
-/* Write RGB floats, linear: .exr as half floats, .png, .jpg and what else OpenImageIO writes as 8-bit sRGB, clamped.
- * equirectangular: mark the file as a 360-degree panorama. The file appears whole or not at all. */
+/* Write RGB floats, linear: .exr as half floats, .png, .jpg and what else OpenImageIO writes as 8-bit sRGB,
+ * clamped. equirectangular: mark the file as a 360-degree panorama. The file appears whole or not at all. */
 bool rnd_image_write(const char *path, int width, int height, const float *rgb, bool equirectangular,
                      char out_error[RND_ERROR_SIZE]);
 
 /* A rectilinear view of an equirectangular image: out is out_width x out_height x RGB; fov_x in rad, (0, pi);
  * orientation view to world. Trilinear over a mipmap of the image, so that poles and wide views do not alias
  * (Koskela 2018 section 4.3). */
-bool rnd_image_view(const float *rgb, int width, int height, const float orientation[4], float fov_x, int out_width,
-                    int out_height, float *out_rgb);
+bool rnd_image_view(const float *rgb, int width, int height, const float orientation[4], float fov_x,
+                    int out_width, int out_height, float *out_rgb);
 
-/* --- metrics ------------------------------------------------------------------------------------------------- */
+/* --- metrics
+ * ------------------------------------------------------------------------------------------------- */
 
-/* Root mean square error of the luminance relative to the reference's mean luminance, over the disc of radius rad
- * around gaze (the whole sphere if radius >= pi), weighted by solid angle. */
-double rnd_relative_rmse(const float *test, const float *reference, int width, int height, const float gaze[3],
-                         float radius);
+/* Root mean square error of the luminance relative to the reference's mean luminance, over the disc of radius
+ * rad around gaze (the whole sphere if radius >= pi), weighted by solid angle. */
+double rnd_relative_rmse(const float *test, const float *reference, int width, int height,
+                         const float gaze[3], float radius);
 
 #endif

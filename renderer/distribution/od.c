@@ -1,0 +1,27 @@
+/* OD: uniform in the equirectangular image, wherever the eye looks. */
+#include "distribution/distribution.h"
+#include "sphere.h"
+
+static void od_sample(const struct rnd_aim *aim, size_t count, const float *u, float *out)
+{
+    (void)aim;
+    for (size_t i = 0; i < count; i++) {
+        const vec3s d = rnd_from_uv(u[2 * i], u[2 * i + 1]);
+        glm_vec3_copy((float *)d.raw, out + 3 * i);
+    }
+}
+
+static float od_density(const struct rnd_aim *aim, const float direction[3])
+{
+    (void)aim;
+    const float c2 = direction[0] * direction[0] + direction[2] * direction[2];
+    return (float)(0.5 / (M_PI * M_PI)) / fmaxf(sqrtf(c2), 1e-6f);
+}
+
+const struct rnd_distribution rnd_distribution_od = {
+    .name = "od",
+    .summary = "uniform in the equirectangular image",
+    .source = "Koskela 2018, section 4.1: omnidirectional preview",
+    .sample = od_sample,
+    .density = od_density,
+};

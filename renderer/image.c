@@ -1,0 +1,114 @@
+/* Image files for the rest of the project: panoramas and views out, textures' and references' pixels in. */
+#include "image.h"
+#include "scene/srgb.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static bool read_pixels(const char *path, struct rnd_pixels *out_pixels, char out_error[RND_ERROR_SIZE])
+{
+    char text[RND_ERROR_SIZE / 2];
+    if (rnd_pixels_read(path, NULL, 0, true, out_pixels, text, sizeof text)) return true;
+    snprintf(out_error, RND_ERROR_SIZE, "%.200s: not a readable image: %s", path, text);
+    return false;
+}
+
+static float value_at(const struct rnd_pixels *pixels, size_t i)
+{
+    return pixels->bytes ? rnd_srgb_decode(pixels->bytes[i]) : pixels->floats[i];
+}
+
+float *rnd_image_read(const char *path, int *out_width, int *out_height, char out_error[RND_ERROR_SIZE])
+{
+    struct rnd_pixels pixels;
+    if (!read_pixels(path, &pixels, out_error)) return NULL;
+    const size_t count = (size_t)pixels.width * pixels.height, n = pixels.channels;
+    float *rgb = malloc(count * 3 * sizeof *rgb);
+    if (!rgb) {
+        snprintf(out_error, RND_ERROR_SIZE, "%.200s: not enough memory", path);
+    } else {
+        for (size_t i = 0; i < count; i++)
+            for (size_t c = 0; c < 3; c++) rgb[3 * i + c] = value_at(&pixels, n * i + (n >= 3 ? c : 0));
+        *out_width = pixels.width;
+        *out_height = pixels.height;
+    }
+    rnd_pixels_finish(&pixels);
+    return rgb;
+}
+
+float *rnd_image_read_channel(const char *path, const char *channel, int *out_width, int *out_height,
+                              char out_error[RND_ERROR_SIZE])
+{
+    struct rnd_pixels pixels;
+    if (!read_pixels(path, &pixels, out_error)) return NULL;
+    int found = -1;
+    for (int c = 0; c < pixels.channels; c++)
+        if (strcmp(pixels.channel_names[c], channel) == 0) found = c;
+    float *values = NULL;
+    const size_t count = (size_t)pixels.width * pixels.height;
+    if (found < 0)
+        snprintf(out_error, RND_ERROR_SIZE, "%.200s: has no channel \"%.60s\"", path, channel);
+    else if (!(values = malloc(count * sizeof *values)))
+        snprintf(out_error, RND_ERROR_SIZE, "%.200s: not enough memory", path);
+    for (size_t i = 0; values && i < count; i++) values[i] = value_at(&pixels, i * pixels.channels + found);
+    *out_width = pixels.width;
+    *out_height = pixels.height;
+    rnd_pixels_finish(&pixels);
+    return values;
+}
+
+bool rnd_image_write_channels(const char *path, int width, int height, int channels,
+                              const struct rnd_channel *channel, const float *data, bool equirectangular,
+                              char out_error[RND_ERROR_SIZE])
+{
+    const char *dot = strrchr(path, '.'), *slash = strrchr(path, '/');
+    if (!dot || (slash && dot < slash) || !dot[1]) {
+        snprintf(out_error, RND_ERROR_SIZE, "%.200s: expected a file name that ends in .exr, .png or .jpg",
+                 path);
+        return false;
+    }
+    /* A whole file or none: written beside its place and renamed into it. */
+    char part[4096], text[RND_ERROR_SIZE / 2];
+    if (snprintf(part, sizeof part, "%s.%ld.part%s", path, (long)getpid(), dot) >= (int)sizeof part) {
+        snprintf(out_error, RND_ERROR_SIZE, "%.200s...: the path is too long", path);
+        return false;
+    }
+    if (!rnd_pixels_write(part, dot + 1, width, height, channels, channel, data, equirectangular, text,
+                          sizeof text)) {
+        snprintf(out_error, RND_ERROR_SIZE, "%.200s: cannot be written: %s", path, text);
+        unlink(part);
+        return false;
+    }
+    if (rename(part, path) != 0) {
+        snprintf(out_error, RND_ERROR_SIZE, "%.200s: cannot be written: %s", path, strerror(errno));
+        unlink(part);
+        return false;
+    }
+    return true;
+}
+
+bool rnd_image_write(const char *path, int width, int height, const float *rgb, bool equirectangular,
+                     char out_error[RND_ERROR_SIZE])
+{
+    const size_t length = strlen(path), count = (size_t)width * height * 3;
+    const bool linear =
+        length > 4 && (strcmp(path + length - 4, ".exr") == 0 || strcmp(path + length - 4, ".hdr") == 0);
+    const enum rnd_channel_type type = linear ? RND_HALF : RND_BYTE;
+    const struct rnd_channel channel[3] = {{"R", type}, {"G", type}, {"B", type}};
+    if (linear)
+        return rnd_image_write_channels(path, width, height, 3, channel, rgb, equirectangular, out_error);
+
+    float *display = malloc(count * sizeof *display);
+    if (!display) {
+        snprintf(out_error, RND_ERROR_SIZE, "%.200s: not enough memory", path);
+        return false;
+    }
+    for (size_t i = 0; i < count; i++) display[i] = rnd_srgb_encode(rgb[i]);
+    const bool ok =
+        rnd_image_write_channels(path, width, height, 3, channel, display, equirectangular, out_error);
+    free(display);
+    return ok;
+}

@@ -1,0 +1,13 @@
+/* Writing an image with channels of its own. */
+#ifndef FOVEAD_RENDERER_IMAGE_H
+#define FOVEAD_RENDERER_IMAGE_H
+
+#include "renderer.h"
+#include "scene/image_io.h"
+
+/* As rnd_image_write(), for interleaved floats of named channels. */
+bool rnd_image_write_channels(const char *path, int width, int height, int channels,
+                              const struct rnd_channel *channel, const float *data, bool equirectangular,
+                              char out_error[RND_ERROR_SIZE]);
+
+#endif

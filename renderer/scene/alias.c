@@ -1,0 +1,68 @@
+/* Walker's alias method, built as Vose 1991 does: draw from any discrete distribution in constant time. */
+#include "scene/scene.h"
+
+#include <stdlib.h>
+
+bool rnd_alias_init(struct rnd_alias *alias, const float *weight, uint32_t count)
+{
+    *alias = (struct rnd_alias){.count = count};
+    alias->probability = malloc(count * sizeof *alias->probability);
+    alias->keep = malloc(count * sizeof *alias->keep);
+    alias->other = malloc(count * sizeof *alias->other);
+    double *scaled = malloc(count * sizeof *scaled);
+    uint32_t *stack = malloc(count * sizeof *stack); /* small ones from the front, large ones from the back */
+    bool ok = alias->probability && alias->keep && alias->other && scaled && stack;
+    if (!ok) goto end;
+
+    for (uint32_t i = 0; i < count; i++) alias->sum += weight[i];
+    uint32_t small = 0, large = count;
+    for (uint32_t i = 0; i < count; i++) {
+        alias->probability[i] = (float)(weight[i] / alias->sum);
+        scaled[i] = weight[i] / alias->sum * count;
+        alias->keep[i] = 1.0f;
+        alias->other[i] = i;
+        if (scaled[i] < 1.0)
+            stack[small++] = i;
+        else
+            stack[--large] = i;
+    }
+    while (small > 0 && large < count) {
+        const uint32_t s = stack[--small], l = stack[large];
+        alias->keep[s] = (float)scaled[s];
+        alias->other[s] = l;
+        scaled[l] -= 1.0 - scaled[s];
+        if (scaled[l] < 1.0) {
+            large++;
+            stack[small++] = l;
+        }
+    }
+    /* What rounding left over among the small ones must not draw an entry without weight. */
+    while (small > 0) {
+        const uint32_t s = stack[--small];
+        if (weight[s] > 0.0f) continue;
+        uint32_t any = 0;
+        while (!(weight[any] > 0.0f)) any++;
+        alias->keep[s] = 0.0f;
+        alias->other[s] = any;
+    }
+end:
+    free(scaled);
+    free(stack);
+    if (!ok) rnd_alias_finish(alias);
+    return ok;
+}
+
+void rnd_alias_finish(struct rnd_alias *alias)
+{
+    free(alias->probability);
+    free(alias->keep);
+    free(alias->other);
+    *alias = (struct rnd_alias){0};
+}
+
+uint32_t rnd_alias_draw(const struct rnd_alias *alias, float u, float v)
+{
+    uint32_t i = (uint32_t)((double)u * alias->count);
+    if (i >= alias->count) i = alias->count - 1;
+    return v < alias->keep[i] ? i : alias->other[i];
+}

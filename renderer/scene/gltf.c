@@ -1,0 +1,108 @@
+/* What assimp drops of a glTF file, read from its JSON: emissive strength, specular factor, and what is asked
+ * for that the renderer does not do.
+ */
+#include "scene/scene.h"
+
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAX_JSON_BYTES = 256 << 20 };
+
+static uint32_t little_endian(const uint8_t *b)
+{
+    return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
+}
+
+/* The JSON of a .gltf file, or of the first chunk of a .glb one (12 bytes of header, then length, "JSON"). */
+static json_t *load_json(const char *path, char out_error[RND_ERROR_SIZE])
+{
+    json_t *root = NULL;
+    char *text = NULL;
+    json_error_t why = {.text = "unreadable"};
+    FILE *file = fopen(path, "rb");
+    if (!file) goto end;
+    uint8_t head[20];
+    long length = 0;
+    if (fread(head, 1, sizeof head, file) == sizeof head && memcmp(head, "glTF", 4) == 0) {
+        length = little_endian(head + 12) <= MAX_JSON_BYTES ? (long)little_endian(head + 12) : 0;
+    } else if (fseek(file, 0, SEEK_END) == 0) {
+        length = ftell(file);
+        rewind(file);
+    }
+    if (length <= 0 || length > MAX_JSON_BYTES || !(text = malloc((size_t)length))) goto end;
+    if (fread(text, 1, (size_t)length, file) == (size_t)length)
+        root = json_loadb(text, (size_t)length, 0, &why);
+end:
+    if (file) fclose(file);
+    free(text);
+    if (!root)
+        snprintf(out_error, RND_ERROR_SIZE, "%.200s:%d: not readable as glTF JSON: %.100s", path,
+                 why.line > 0 ? why.line : 1, why.text);
+    return root;
+}
+
+static const json_t *extension(const json_t *object, const char *name)
+{
+    return json_object_get(json_object_get(object, "extensions"), name);
+}
+
+static float number(const json_t *object, const char *name, float otherwise)
+{
+    const json_t *value = json_object_get(object, name);
+    return json_is_number(value) ? (float)json_number_value(value) : otherwise;
+}
+
+static void read_material(struct rnd_scene *scene, const json_t *json, struct rnd_material *material)
+{
+    /* By extension or property: what is asked for, and the name under which it is reported. */
+    static const struct {
+        const char *extension, *name;
+    } missing[] = {
+        {"KHR_materials_volume", "volume absorption"},
+        {"KHR_materials_clearcoat", "clearcoat"},
+        {"KHR_materials_sheen", "sheen"},
+        {"KHR_materials_anisotropy", "anisotropy"},
+        {"KHR_materials_iridescence", "iridescence"},
+        {"KHR_materials_unlit", "unlit"},
+        {"KHR_materials_pbrSpecularGlossiness", "specular-glossiness"},
+        {"KHR_materials_variants", "variants"},
+    };
+    material->emission =
+        glms_vec3_scale(material->emission,
+                        number(extension(json, "KHR_materials_emissive_strength"), "emissiveStrength", 1.0f));
+    material->specular = number(extension(json, "KHR_materials_specular"), "specularFactor", 1.0f);
+
+    for (size_t i = 0; i < sizeof missing / sizeof *missing; i++)
+        if (extension(json, missing[i].extension)) rnd_scene_unsupported(scene, missing[i].name);
+    if (json_object_get(json, "normalTexture")) rnd_scene_unsupported(scene, "normal maps");
+    const char *alpha = json_string_value(json_object_get(json, "alphaMode"));
+    if (alpha && strcmp(alpha, "MASK") == 0) rnd_scene_unsupported(scene, "alpha mask");
+    if (alpha && strcmp(alpha, "BLEND") == 0) rnd_scene_unsupported(scene, "alpha blending");
+    if (extension(json_object_get(json_object_get(json, "pbrMetallicRoughness"), "baseColorTexture"),
+                  "KHR_texture_transform"))
+        rnd_scene_unsupported(scene, "texture transforms");
+}
+
+bool rnd_import_gltf_extras(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE])
+{
+    const char *dot = strrchr(path, '.');
+    if (!dot || (strcasecmp(dot, ".gltf") != 0 && strcasecmp(dot, ".glb") != 0)) return true;
+    json_t *root = load_json(path, out_error);
+    if (!root) return false;
+
+    const json_t *materials = json_object_get(root, "materials");
+    for (size_t i = 0; i < json_array_size(materials) && i < scene->material_count; i++)
+        read_material(scene, json_array_get(materials, i), &scene->material[i]);
+    if (json_array_size(json_object_get(root, "animations")) > 0) rnd_scene_unsupported(scene, "animations");
+    if (json_array_size(json_object_get(root, "skins")) > 0) rnd_scene_unsupported(scene, "skins");
+    const json_t *used = json_object_get(root, "extensionsUsed");
+    for (size_t i = 0; i < json_array_size(used); i++) {
+        const char *name = json_string_value(json_array_get(used, i));
+        if (name && strcmp(name, "EXT_mesh_gpu_instancing") == 0)
+            rnd_scene_unsupported(scene, "GPU instancing");
+    }
+    json_decref(root);
+    return true;
+}

@@ -1,0 +1,123 @@
+// OpenImageIO behind image_io.h. Nothing is thrown across the boundary, and nothing else is done here.
+#include "scene/image_io.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include <cstdlib>
+#include <cstring>
+
+namespace
+{
+
+bool fail(char *out_error, size_t error_size, std::string text)
+{
+    for (char &c : text)
+        if (c == '\n' || c == '\r') c = ' ';
+    while (!text.empty() && text.back() == ' ') text.pop_back();
+    snprintf(out_error, error_size, "%s", text.empty() ? "unknown image error" : text.c_str());
+    return false;
+}
+
+bool read(OIIO::ImageInput &in, bool want_bytes, rnd_pixels &out, char *out_error, size_t error_size)
+{
+    const OIIO::ImageSpec &spec = in.spec();
+    if (spec.width <= 0 || spec.height <= 0 || (int64_t)spec.width * spec.height > RND_MAX_PIXELS)
+        return fail(out_error, error_size, "image size out of range");
+    out.width = spec.width;
+    out.height = spec.height;
+    out.channels = spec.nchannels < RND_MAX_CHANNELS ? spec.nchannels : RND_MAX_CHANNELS;
+    for (int c = 0; c < out.channels; c++)
+        snprintf(out.channel_names[c], sizeof out.channel_names[c], "%s",
+                 std::string(spec.channel_name(c)).c_str());
+
+    const bool bytes = want_bytes && spec.format == OIIO::TypeDesc::UINT8;
+    void *data = calloc((size_t)out.width * out.height * out.channels, bytes ? 1 : sizeof(float));
+    if (!data) return fail(out_error, error_size, "not enough memory");
+    if (bytes)
+        out.bytes = (uint8_t *)data;
+    else
+        out.floats = (float *)data;
+    if (!in.read_image(0, 0, 0, out.channels, bytes ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::FLOAT, data)) {
+        rnd_pixels_finish(&out);
+        return fail(out_error, error_size, in.geterror());
+    }
+    return true;
+}
+
+OIIO::TypeDesc type_of(rnd_channel_type type)
+{
+    switch (type) {
+    case RND_HALF:
+        return OIIO::TypeDesc::HALF;
+    case RND_UINT32:
+        return OIIO::TypeDesc::UINT32;
+    case RND_BYTE:
+        return OIIO::TypeDesc::UINT8;
+    case RND_FLOAT:
+        break;
+    }
+    return OIIO::TypeDesc::FLOAT;
+}
+
+} // namespace
+
+extern "C" bool rnd_pixels_read(const char *path, const void *memory, size_t count, bool want_bytes,
+                                rnd_pixels *out_pixels, char *out_error, size_t error_size)
+{
+    *out_pixels = rnd_pixels();
+    try {
+        OIIO::Filesystem::IOMemReader reader(const_cast<void *>(memory), count);
+        OIIO::ImageSpec config;
+        config.attribute("oiio:UnassociatedAlpha", 1);
+        auto in = OIIO::ImageInput::open(path, &config, memory ? &reader : nullptr);
+        if (!in) return fail(out_error, error_size, OIIO::geterror());
+        const bool ok = read(*in, want_bytes, *out_pixels, out_error, error_size);
+        in->close();
+        return ok;
+    } catch (const std::exception &e) {
+        rnd_pixels_finish(out_pixels);
+        return fail(out_error, error_size, e.what());
+    }
+}
+
+extern "C" void rnd_pixels_finish(rnd_pixels *pixels)
+{
+    free(pixels->bytes);
+    free(pixels->floats);
+    *pixels = rnd_pixels();
+}
+
+extern "C" bool rnd_pixels_write(const char *path, const char *format, int width, int height, int channels,
+                                 const rnd_channel *channel, const float *data, bool equirectangular,
+                                 char *out_error, size_t error_size)
+{
+    try {
+        auto out = OIIO::ImageOutput::create(format);
+        if (!out) return fail(out_error, error_size, OIIO::geterror());
+        OIIO::ImageSpec spec(width, height, channels, type_of(channel[0].type));
+        spec.channelnames.clear();
+        for (int c = 0; c < channels; c++) {
+            spec.channelnames.push_back(channel[c].name);
+            spec.channelformats.push_back(type_of(channel[c].type));
+        }
+        const bool one_type = std::all_of(channel, channel + channels,
+                                          [&](const rnd_channel &c) { return c.type == channel[0].type; });
+        if (one_type) spec.channelformats.clear();
+        spec.attribute("Software", "fovead " FOVEAD_VERSION);
+        spec.attribute("compression", "zip");
+        if (equirectangular) {
+            spec.attribute("textureformat", "LatLong Environment"); // OpenEXR: envmap = latlong
+            spec.attribute("GPano:ProjectionType", "equirectangular");
+            spec.attribute("GPano:FullPanoWidthPixels", width);
+            spec.attribute("GPano:FullPanoHeightPixels", height);
+        }
+        if (!out->open(path, spec)) return fail(out_error, error_size, out->geterror());
+        const bool ok = out->write_image(OIIO::TypeDesc::FLOAT, data);
+        const std::string text = ok ? "" : out->geterror();
+        if (!out->close() || !ok) return fail(out_error, error_size, text);
+        return true;
+    } catch (const std::exception &e) {
+        return fail(out_error, error_size, e.what());
+    }
+}

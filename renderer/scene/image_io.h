@@ -1,0 +1,47 @@
+/* A C face for OpenImageIO, which has only a C++ one. scene/image_io.cc is the only C++ of the product. */
+#ifndef FOVEAD_RENDERER_IMAGE_IO_H
+#define FOVEAD_RENDERER_IMAGE_IO_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { RND_MAX_CHANNELS = 8, RND_MAX_PIXELS = 1 << 30 };
+
+/* Pixels in memory: bytes if the file holds 8-bit integers and bytes were asked for, else floats. One is
+ * NULL. */
+struct rnd_pixels {
+    int width, height, channels;
+    uint8_t *bytes; /* malloc'ed, width * height * channels */
+    float *floats;
+    char channel_names[RND_MAX_CHANNELS][32];
+};
+
+/* Read the first part of an image file, or of count bytes in memory named path. At most RND_MAX_CHANNELS
+ * channels. Error text is one line without the path. */
+bool rnd_pixels_read(const char *path, const void *memory, size_t count, bool want_bytes,
+                     struct rnd_pixels *out_pixels, char *out_error, size_t error_size);
+void rnd_pixels_finish(struct rnd_pixels *pixels);
+
+enum rnd_channel_type { RND_HALF, RND_UINT32, RND_FLOAT, RND_BYTE };
+
+struct rnd_channel {
+    const char *name;
+    enum rnd_channel_type type;
+};
+
+/* Write interleaved floats; every channel is stored as its type says (bytes: from 0..1). equirectangular sets
+ * the marks by which a viewer of the file's format knows a 360-degree panorama. format is a file name
+ * extension. */
+bool rnd_pixels_write(const char *path, const char *format, int width, int height, int channels,
+                      const struct rnd_channel *channel, const float *data, bool equirectangular,
+                      char *out_error, size_t error_size);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,185 @@
+/* The scene as the path tracer sees it: triangles in the world, materials, textures, lights, Embree's tree.
+ */
+#ifndef FOVEAD_RENDERER_SCENE_H
+#define FOVEAD_RENDERER_SCENE_H
+
+#include "renderer.h"
+#include "scene/image_io.h"
+#include "sphere.h"
+
+#include <embree3/rtcore.h>
+
+/* --- textures --- */
+
+struct rnd_texture {
+    char *path;
+    bool srgb; /* bytes are sRGB, else linear data; floats are always linear */
+    struct rnd_pixels pixels;
+};
+
+/* Bilinear, repeating; uv with row 0 at v = 0. Missing channels repeat the first. */
+vec3s rnd_texture_rgb(const struct rnd_texture *texture, float u, float v);
+
+/* --- materials --- */
+
+enum rnd_material_kind {
+    RND_DIFFUSE,     /* Lambert alone */
+    RND_METAL_ROUGH, /* glTF 2.0 metallic-roughness: GGX over Lambert */
+    RND_DIELECTRIC,  /* smooth: reflects and refracts, nothing else */
+};
+
+struct rnd_material {
+    enum rnd_material_kind kind;
+    vec3s base;
+    float metallic, roughness;
+    float specular; /* KHR_materials_specular factor: scales the reflectance of the non-metal */
+    float ior;
+    vec3s emission;          /* radiance, W sr-1 m-2 */
+    bool double_sided;       /* emits from both sides; every material is hit from both */
+    int base_texture;        /* index, or -1 */
+    int metal_rough_texture; /* green roughness, blue metallic */
+    int emission_texture;
+};
+
+/* --- geometry --- */
+
+struct rnd_mesh {
+    uint32_t vertices, triangles;
+    float *position; /* 3 a vertex, one float more for Embree's wide loads */
+    float *normal;   /* 3 a vertex, or NULL: flat */
+    float *uv;       /* 2 a vertex, or NULL */
+    uint32_t (*index)[3];
+    uint32_t material;
+    uint32_t first_light; /* of its triangles among the scene's area lights, or UINT32_MAX */
+};
+
+/* --- lights --- */
+
+/* Walker's alias table: draws i with probability weight[i] / sum in constant time. */
+struct rnd_alias {
+    uint32_t count;
+    double sum;
+    float *probability; /* of drawing i */
+    float *keep;
+    uint32_t *other;
+};
+/* weights are not negative and not all zero. */
+bool rnd_alias_init(struct rnd_alias *alias, const float *weight, uint32_t count);
+void rnd_alias_finish(struct rnd_alias *alias);
+/* u chooses the column, v between its two entries. */
+uint32_t rnd_alias_draw(const struct rnd_alias *alias, float u, float v);
+
+struct rnd_punctual {
+    vec3s position;  /* m; spot and point */
+    vec3s direction; /* where it shines; spot and directional */
+    vec3s intensity; /* W/sr; directional: irradiance W/m^2 */
+    enum { RND_POINT, RND_SPOT, RND_DIRECTIONAL } kind;
+    float cos_inner, cos_outer; /* spot */
+};
+
+struct rnd_env {
+    struct rnd_pixels pixels; /* floats */
+    struct rnd_alias alias;   /* over its pixels, by luminance and solid angle */
+};
+
+struct rnd_sun {
+    vec3s direction;  /* towards it */
+    vec3s radiance;   /* within its disc; irradiance when it is a point */
+    float cos_radius; /* 1: a point */
+};
+
+/* Groups that a shading point chooses between before it chooses a light. */
+enum { RND_LIGHT_AREA, RND_LIGHT_ENV, RND_LIGHT_SUN, RND_LIGHT_PUNCTUAL, RND_LIGHT_GROUPS };
+
+struct rnd_triangle_ref {
+    uint32_t mesh, triangle;
+};
+
+struct rnd_lights {
+    float choose[RND_LIGHT_GROUPS]; /* probability of each group */
+    uint32_t area_count;
+    struct rnd_triangle_ref *area;
+    struct rnd_alias area_alias; /* by power */
+    struct rnd_env *env;
+    struct rnd_sun *sun;
+    uint32_t punctual_count;
+    struct rnd_punctual *punctual;
+    struct rnd_alias punctual_alias;
+};
+
+/* A light seen from a point: where to look for it, what comes from there, with which density it was drawn. */
+struct rnd_light_sample {
+    vec3s direction; /* unit, towards the light */
+    float distance;  /* INFINITY for env and sun */
+    vec3s radiance;  /* for lights without extent, the irradiance facing it */
+    float pdf;  /* per steradian, choice of group included; for lights without extent, of the choice alone */
+    bool delta; /* no extent: cannot be hit by chance */
+};
+
+/* --- scene --- */
+
+struct rnd_scene {
+    struct rnd_scene_info info;
+    char unsupported[256];
+    uint32_t mesh_count, material_count, texture_count;
+    struct rnd_mesh *mesh;
+    struct rnd_material *material;
+    struct rnd_texture *texture;
+    struct rnd_lights lights;
+    RTCDevice device;
+    RTCScene tree;
+};
+
+/* import.c: geometry, materials, textures and punctual lights of a file. */
+bool rnd_import(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE]);
+
+/* gltf.c: what assimp drops of a glTF file: emissive strength and specular factor, by index of the material,
+ * and the names of what the renderer does not do. Nothing happens for other files. */
+bool rnd_import_gltf_extras(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE]);
+/* Add a name to the list of what is asked for and not done, once. */
+void rnd_scene_unsupported(struct rnd_scene *scene, const char *name);
+
+/* texture.c: index of the texture of this path (or of bytes in memory, named by path), read once. -1 and a
+ * line in out_error on failure. */
+int rnd_texture_add(struct rnd_scene *scene, const char *path, const void *memory, size_t count, bool srgb,
+                    char out_error[RND_ERROR_SIZE]);
+
+/* light.c */
+bool rnd_env_load(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE]);
+void rnd_sun_init(struct rnd_sun *sun, const float options[4]);
+/* After the geometry: find what emits and make the tables. */
+bool rnd_lights_build(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE]);
+void rnd_lights_finish(struct rnd_lights *lights);
+/* Radiance of environment and sun from a direction, and the density with which rnd_light_draw would have
+ * drawn it. */
+vec3s rnd_env_radiance(const struct rnd_env *env, vec3s direction);
+float rnd_env_pdf(const struct rnd_env *env, vec3s direction);
+float rnd_sun_pdf(const struct rnd_sun *sun); /* within its disc */
+/* Draw a light for the point from four numbers in [0,1). False if what was drawn does not reach it. */
+bool rnd_light_draw(const struct rnd_scene *scene, vec3s point, const float u[4],
+                    struct rnd_light_sample *out);
+/* Density per steradian of drawing the point that a ray hit on an emissive triangle. */
+float rnd_area_pdf(const struct rnd_scene *scene, uint32_t mesh, uint32_t triangle, vec3s direction,
+                   float distance);
+
+/* accel.c */
+bool rnd_accel_build(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE]);
+
+static inline vec3s rnd_vertex(const struct rnd_mesh *mesh, uint32_t i)
+{
+    return rnd_vec(mesh->position + 3 * (size_t)i);
+}
+
+/* Interpolate a vertex attribute of n floats at barycentric (u, v). */
+static inline float rnd_interpolate(const float *attribute, int n, int c, const uint32_t index[3], float u,
+                                    float v)
+{
+    return (1.0f - u - v) * attribute[(size_t)n * index[0] + c] + u * attribute[(size_t)n * index[1] + c] +
+           v * attribute[(size_t)n * index[2] + c];
+}
+
+/* Emitted radiance of a material at texture coordinates. */
+vec3s rnd_emission(const struct rnd_scene *scene, const struct rnd_material *material,
+                   const struct rnd_mesh *mesh, const uint32_t index[3], float u, float v);
+
+#endif

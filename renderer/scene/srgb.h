@@ -1,0 +1,19 @@
+/* The sRGB transfer function (IEC 61966-2-1). */
+#ifndef FOVEAD_RENDERER_SRGB_H
+#define FOVEAD_RENDERER_SRGB_H
+
+#include <math.h>
+#include <stdint.h>
+
+/* Linear light to sRGB, both 0..1; clamps. */
+static inline float rnd_srgb_encode(float linear)
+{
+    if (!(linear > 0.0f)) return 0.0f;
+    if (linear >= 1.0f) return 1.0f;
+    return linear <= 0.0031308f ? 12.92f * linear : 1.055f * powf(linear, 1.0f / 2.4f) - 0.055f;
+}
+
+/* An sRGB byte to linear light, 0..1: from a table. */
+float rnd_srgb_decode(uint8_t byte);
+
+#endif
