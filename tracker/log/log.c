@@ -19,7 +19,7 @@ static const struct trk_log_format *const formats[] = {
 };
 enum { FORMATS = sizeof formats / sizeof *formats };
 
-/* --- lines ----------------------------------------------------------------------------------------------- */
+/* --- lines ---------------------------------------------------------------------------------------------- */
 
 bool trk_lines_fail(const struct trk_lines *lines, char out_error[TRK_ERROR_SIZE], const char *format, ...)
 {
@@ -76,7 +76,7 @@ size_t trk_split(char *text, char separator, char *out_fields[TRK_MAX_FIELDS])
     }
 }
 
-/* --- numbers --------------------------------------------------------------------------------------------- */
+/* --- numbers -------------------------------------------------------------------------------------------- */
 
 /* strtof() and strtoll() skip white space before a number; a field must start with it. */
 static bool starts_number(const char *field)
@@ -108,7 +108,7 @@ bool trk_is_unit(const float *v, int n)
     return fabs(sqrt(sum) - 1) <= TRK_UNIT_TOLERANCE;
 }
 
-/* --- logs ------------------------------------------------------------------------------------------------ */
+/* --- logs ----------------------------------------------------------------------------------------------- */
 
 bool trk_log_append(struct trk_log *log, size_t *capacity, const struct trk_sample *sample,
                     const struct trk_lines *lines, char out_error[TRK_ERROR_SIZE])

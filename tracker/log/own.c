@@ -69,7 +69,7 @@ static const char *column_name(int index)
     return index < WHOLE ? whole_names[index] : columns[index - WHOLE].name;
 }
 
-/* --- reading --------------------------------------------------------------------------------------------- */
+/* --- reading -------------------------------------------------------------------------------------------- */
 
 static bool detect(const char *first_line)
 {
@@ -161,7 +161,7 @@ const struct trk_log_format trk_log_own = {
     .read = read_own,
 };
 
-/* --- writing --------------------------------------------------------------------------------------------- */
+/* --- writing -------------------------------------------------------------------------------------------- */
 
 /* The fewest digits, up to the nine that always suffice, that read back as the same float. */
 static void write_float(FILE *file, float value)

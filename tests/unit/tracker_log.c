@@ -1,0 +1,360 @@
+/* The project's own gaze log: what is written reads back exactly, and bad input is refused with one clear
+ * line. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <cmocka.h>
+
+#include "tracker.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static char dir[64], path[96];
+
+static int enter(void **state)
+{
+    (void)state;
+    snprintf(dir, sizeof dir, "tracker_log.XXXXXX");
+    if (!mkdtemp(dir)) return -1;
+    snprintf(path, sizeof path, "%s/x.gaze", dir);
+    return 0;
+}
+
+static int leave(void **state)
+{
+    (void)state;
+    unlink(path);
+    return rmdir(dir);
+}
+
+static char *slurp(size_t *out_size)
+{
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    char *text = calloc(1, 1 << 20);
+    assert_non_null(text);
+    *out_size = fread(text, 1, (1 << 20) - 1, file);
+    fclose(file);
+    return text;
+}
+
+static void spill(const void *bytes, size_t size)
+{
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, size, file), size);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* The file is refused; the one line names it and says `where` (":3:" or "") and `why`. */
+static void refused(const char *where, const char *why)
+{
+    char error[TRK_ERROR_SIZE] = "", start[160];
+    struct trk_log log;
+    assert_false(trk_log_read(path, &log, error));
+    assert_null(log.samples);
+    assert_int_equal(log.count, 0);
+    snprintf(start, sizeof start, "%s%s", path, where);
+    if (strncmp(error, start, strlen(start)) != 0 || !strstr(error, why) || strchr(error, '\n') ||
+        !strstr(error, "expected"))
+        fail_msg("'%s' should start with '%s', say '%s' and what was expected, on one line", error, start,
+                 why);
+}
+
+/* A small log of n samples. */
+static void make(struct trk_log *out_log, size_t n)
+{
+    assert_true(trk_synthesise(7, (double)n / 120, out_log));
+    assert_int_equal(out_log->count, n);
+}
+
+/* Write a log of five samples with `from` of line `line` (from 1) replaced by `to`; NULL is the whole line.
+ */
+static void write_with(int line, const char *from, const char *to)
+{
+    char error[TRK_ERROR_SIZE];
+    struct trk_log log;
+    size_t size;
+    make(&log, 5);
+    assert_true(trk_log_write(path, &log, error));
+    trk_log_finish(&log);
+    char *text = slurp(&size), *start = text;
+    for (int i = 1; i < line; i++) start = strchr(start, '\n') + 1;
+    char *end = strchr(start, '\n');
+    char *at = from ? strstr(start, from) : start;
+    assert_true(at && at < end);
+    char *rest = from ? at + strlen(from) : end;
+    char *changed = NULL;
+    int length = asprintf(&changed, "%.*s%s%s", (int)(at - text), text, to, rest);
+    assert_true(length > 0);
+    spill(changed, (size_t)length);
+    free(changed);
+    free(text);
+}
+
+static void reads_back_exactly(void **state)
+{
+    (void)state;
+    char error[TRK_ERROR_SIZE] = "";
+    struct trk_log log, back;
+    make(&log, 1200);
+    /* Values that need all nine digits, the smallest, and a sample with nothing in it. */
+    struct trk_sample *odd = &log.samples[10];
+    odd->head[0] = 16777217.f / 3;
+    odd->head[1] = 1e-45f;
+    odd->head[2] = -0x1.fffffep127f;
+    odd->eye[0].pupil_mm = nextafterf(3.1f, 4);
+    memset(&log.samples[11].valid, 0, sizeof log.samples[11] - offsetof(struct trk_sample, valid));
+    log.samples[1199].arrival_ns = INT64_MAX;
+    assert_true(trk_log_write(path, &log, error));
+    if (!trk_log_read(path, &back, error)) fail_msg("%s", error);
+    assert_string_equal(back.format, "fovead");
+    assert_int_equal(back.count, log.count);
+    assert_memory_equal(back.samples, log.samples, log.count * sizeof *log.samples);
+    trk_log_finish(&back);
+    trk_log_finish(&log);
+}
+
+static void unset_fields_are_not_written(void **state)
+{
+    (void)state;
+    char error[TRK_ERROR_SIZE] = "";
+    struct trk_log log, back;
+    make(&log, 3);
+    log.samples[1].valid &= ~(uint32_t)TRK_DIRECTION;
+    log.samples[1].direction[0] = NAN;
+    assert_true(trk_log_write(path, &log, error));
+    if (!trk_log_read(path, &back, error)) fail_msg("%s", error);
+    assert_true(back.samples[1].direction[0] == 0);
+    trk_log_finish(&back);
+    trk_log_finish(&log);
+}
+
+static void comments_and_crlf_pass(void **state)
+{
+    (void)state;
+    char error[TRK_ERROR_SIZE] = "";
+    struct trk_log log, back;
+    write_with(1, NULL, "fovead-gaze 1\n# who looked");
+    size_t size;
+    char *text = slurp(&size), *crlf = calloc(2, size);
+    size_t length = 0;
+    for (size_t i = 0; i < size; i++) {
+        if (text[i] == '\n') crlf[length++] = '\r';
+        crlf[length++] = text[i];
+    }
+    spill(crlf, length);
+    free(crlf);
+    free(text);
+    if (!trk_log_read(path, &back, error)) fail_msg("%s", error);
+    make(&log, 5);
+    assert_memory_equal(back.samples, log.samples, log.count * sizeof *log.samples);
+    trk_log_finish(&back);
+    trk_log_finish(&log);
+}
+
+static void shipped_recording_is_what_it_says(void **state)
+{
+    (void)state;
+    char error[TRK_ERROR_SIZE] = "";
+    struct trk_log log;
+    if (!trk_log_read(FIXTURES "/hall.gaze", &log, error)) fail_msg("%s", error);
+    assert_int_equal(log.count, 2400);
+    float first[3];
+    double left = 0, right = 0, down = 0, up = 0, head = 0;
+    int blinks = 0;
+    assert_true(trk_world_direction(&log.samples[0], first));
+    assert_true(first[2] < -0.999f);
+    for (size_t i = 0; i < log.count; i++) {
+        const struct trk_sample *sample = &log.samples[i];
+        assert_true(sample->valid & TRK_HEAD);
+        head = fmax(head, 2 * acos(fmin(1, fabs(sample->head[6]))) * 180 / M_PI);
+        bool closed = (sample->valid & TRK_LEFT_OPENNESS) && sample->eye[0].openness == 0;
+        bool was_closed = i && (sample[-1].valid & TRK_LEFT_OPENNESS) && sample[-1].eye[0].openness == 0;
+        blinks += closed && !was_closed;
+        float d[3];
+        if (!trk_world_direction(sample, d)) continue;
+        double yaw = atan2(d[0], -d[2]) * 180 / M_PI, elevation = asin(d[1]) * 180 / M_PI;
+        left = fmin(left, yaw), right = fmax(right, yaw);
+        down = fmin(down, elevation), up = fmax(up, elevation);
+    }
+    assert_true(right - left > 120);
+    assert_true(down < -15 && up > 15);
+    assert_true(head > 45);
+    assert_true(blinks >= 3);
+    trk_log_finish(&log);
+}
+
+static void missing_and_odd_files(void **state)
+{
+    (void)state;
+    char error[TRK_ERROR_SIZE] = "";
+    struct trk_log log;
+    refused(": ", "No such file");
+    assert_int_equal(mkfifo(path, 0600), 0); /* with nobody to write it: must not wait */
+    refused(": ", "not a regular file");
+    unlink(path);
+    assert_false(trk_log_read(".", &log, error));
+    assert_non_null(strstr(error, ".: not a regular file"));
+    assert_false(trk_log_read("new\nline", &log, error));
+    assert_null(strchr(error, '\n'));
+    spill("", 0);
+    refused(": ", "is empty");
+    spill("\n", 1);
+    refused(":1: ", "unknown header");
+    spill("x,y,z\n1,2,3\n", 12);
+    refused(":1: ", "unknown header 'x,y,z', expected 'fovead-gaze 1' or");
+}
+
+static void garbage(void **state)
+{
+    (void)state;
+    uint32_t x = 1;
+    unsigned char bytes[8192];
+    for (size_t i = 0; i < sizeof bytes; i++)
+        bytes[i] = (unsigned char)((x = x * 1664525 + 1013904223) >> 24);
+    spill(bytes, sizeof bytes);
+    refused(":", "");
+    bytes[0] = 0;
+    spill(bytes, sizeof bytes);
+    refused(":1: ", "NUL byte");
+    memset(bytes, 'a', sizeof bytes);
+    spill(bytes, sizeof bytes);
+    refused(":1: ", "longer than");
+    write_with(4, NULL, "7 8 9 \x01\xff\xfe");
+    refused(":4: ", "4 columns, expected 33");
+}
+
+static void bad_headers(void **state)
+{
+    (void)state;
+    write_with(1, "1", "2");
+    refused(":1: ", "'fovead-gaze 2', expected 'fovead-gaze 1'");
+    write_with(2, "device[ns]", "device[ms]");
+    refused(":2: ", "'device[ms]' as column 2, expected 'device[ns]'");
+    write_with(2, " head_qw[head-to-world]", "");
+    refused(":2: ", "column 33, expected 'head_qw[head-to-world]'");
+    write_with(2, "head_qw[head-to-world]", "head_qw[head-to-world] more");
+    refused(":2: ", "34 columns, expected 33");
+    spill("fovead-gaze 1\n", 14);
+    refused(":2: ", "expected 'sequence'");
+}
+
+static void bad_rows(void **state)
+{
+    (void)state;
+    write_with(5, NULL, "1 2 3");
+    refused(":5: ", "3 columns, expected 33");
+    write_with(5, "4087", "zero");
+    refused(":5: ", "valid[bits] is 'zero'");
+    write_with(5, "4087", "8191");
+    refused(":5: ", "8191");
+    write_with(5, "4087", "-1");
+    refused(":5: ", "'-1'");
+    write_with(5, "3 16666666", "3 1666666");
+    refused(":5: ", "device time goes back");
+    write_with(5, "16666666 4087", "1666666 4087");
+    refused(":5: ", "arrival time goes back");
+    write_with(5, "3 ", "2 ");
+    refused(":5: ", "sequence 2, expected more than 2");
+    write_with(5, "16666666", "99999999999999999999");
+    refused(":5: ", "device[ns]");
+    write_with(5, "16666666", "9999999999999999");
+    refused(":5: ", "days");
+    write_with(5, " 3.", " 3.x");
+    refused(":5: ", "left_pupil[mm]");
+    write_with(5, " 3.", "  3.");
+    refused(":5: ", "34 columns");
+}
+
+/* The sixth line is the fourth sample; its direction is the fifth to seventh field. */
+static void bad_gaze(void **state)
+{
+    (void)state;
+    static const char *const directions[] = {"nan 0 -1", "0 inf -1", "0 0 -1e999",
+                                             "0 0 0",    "0 0 -0.9", "0 1 -1"};
+    for (size_t i = 0; i < sizeof directions / sizeof *directions; i++) {
+        char row[512];
+        snprintf(row, sizeof row, "4 25000000 25000000 1 %s%s", directions[i],
+                 " 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0");
+        write_with(6, NULL, row);
+        refused(":6: ", i < 3 ? "expected a finite number" : "direction is not of unit length");
+    }
+    write_with(6, NULL, "4 25000000 25000000 4 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0");
+    refused(":6: ", "head_q is not of unit length");
+}
+
+static void no_rows(void **state)
+{
+    (void)state;
+    write_with(3, NULL, "#");
+    size_t size;
+    char *text = slurp(&size);
+    spill(text, (size_t)(strchr(text, '#') - text));
+    free(text);
+    refused(": ", "holds no samples");
+}
+
+/* Cut anywhere, a log is either refused or ends at the end of a row. */
+static void cut_off(void **state)
+{
+    (void)state;
+    char error[TRK_ERROR_SIZE];
+    size_t size;
+    write_with(1, "1", "1");
+    char *text = slurp(&size);
+    spill(text, size - 1);
+    refused(":7: ", "is cut off");
+    for (size_t n = 0; n < size; n++) {
+        struct trk_log log;
+        spill(text, n);
+        if (trk_log_read(path, &log, error))
+            assert_true(text[n - 1] == '\n');
+        else
+            assert_true(n == 0 || text[n - 1] != '\n' || strstr(error, "no samples") ||
+                        strstr(error, "header"));
+        trk_log_finish(&log);
+    }
+    free(text);
+}
+
+static void unwritable_places(void **state)
+{
+    (void)state;
+    char error[TRK_ERROR_SIZE] = "", nowhere[128];
+    struct trk_log log;
+    make(&log, 2);
+    snprintf(nowhere, sizeof nowhere, "%s/absent/x.gaze", dir);
+    assert_false(trk_log_write(nowhere, &log, error));
+    assert_non_null(strstr(error, nowhere));
+    assert_non_null(strstr(error, "No such file"));
+    assert_false(trk_log_write(dir, &log, error));
+    assert_non_null(strstr(error, "not a regular file"));
+    assert_false(trk_log_write("/dev/full", &log, error));
+    trk_log_finish(&log);
+}
+
+int main(void)
+{
+#define TEST(f) cmocka_unit_test_setup_teardown(f, enter, leave)
+    const struct CMUnitTest tests[] = {
+        TEST(reads_back_exactly),
+        TEST(unset_fields_are_not_written),
+        TEST(comments_and_crlf_pass),
+        TEST(shipped_recording_is_what_it_says),
+        TEST(missing_and_odd_files),
+        TEST(garbage),
+        TEST(bad_headers),
+        TEST(bad_rows),
+        TEST(bad_gaze),
+        TEST(no_rows),
+        TEST(cut_off),
+        TEST(unwritable_places),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
