@@ -104,6 +104,8 @@ extern "C" bool rnd_pixels_write(const char *path, const char *format, int width
         const bool one_type = std::all_of(channel, channel + channels,
                                           [&](const rnd_channel &c) { return c.type == channel[0].type; });
         if (one_type) spec.channelformats.clear();
+        // OpenImageIO would write the time of day, and the same picture would be another file.
+        spec.attribute("DateTime", "1970:01:01 00:00:00");
         spec.attribute("Software", "fovead " FOVEAD_VERSION);
         spec.attribute("compression", "zip");
         if (equirectangular) {

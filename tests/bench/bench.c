@@ -1,0 +1,26 @@
+/* fovea-bench: measurements of the renderer, by name. */
+#include "bench.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const struct {
+    const char *name, *help;
+    int (*run)(int count, char **arguments);
+} measurement[] = {
+    {"converge", "time until the gaze disc reaches a given error, for every distribution", bench_converge},
+};
+
+int main(int count, char **arguments)
+{
+    const size_t all = sizeof measurement / sizeof *measurement;
+    const char *name = count > 1 ? arguments[1] : "";
+    for (size_t i = 0; i < all; i++)
+        if (strcmp(name, measurement[i].name) == 0) return measurement[i].run(count - 1, arguments + 1);
+    const int asked = strcmp(name, "--help") == 0;
+    FILE *to = asked ? stdout : stderr;
+    if (!asked) fprintf(to, "fovea-bench: expected the name of a measurement\n");
+    fprintf(to, "usage: fovea-bench MEASUREMENT [OPTION...] (MEASUREMENT --help tells its options)\n");
+    for (size_t i = 0; i < all; i++) fprintf(to, "  %-10s %s\n", measurement[i].name, measurement[i].help);
+    return asked ? 0 : 2;
+}

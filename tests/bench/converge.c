@@ -1,0 +1,389 @@
+/* Speed against accuracy: how the error of the gaze disc falls with time, for every way to place samples.
+ *
+ * All distributions render the same scene in the same run, in turns of a growing slice of time, so that a
+ * machine that slows down slows them all. Their error is taken against a reference whose paths all fall
+ * around the disc, drawn from other random numbers. Only the time of batches counts.
+ */
+#include "bench.h"
+#include "renderer.h"
+
+#include <getopt.h>
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAX_POINTS = 256, MAX_WAYS = 16, MAX_REPEATS = 31, BATCH = 4096 };
+
+#define DISC_DEG 5.79f
+#define RAD(deg) ((deg) * (float)M_PI / 180.0f)
+
+struct setup {
+    struct rnd_scene_options scene;
+    float azimuth_deg, elevation_deg;
+    int width, bounces, repeats, reference_spp;
+    double target, limit_seconds;
+    bool json;
+    const char *plot;
+};
+
+/* One distribution's render, and the curve that it draws. */
+struct way {
+    const struct rnd_distribution *distribution;
+    struct rnd_render *render;
+    double seconds, rays;
+    uint64_t paths;
+    int points;
+    double time[MAX_POINTS], error[MAX_POINTS];
+    double reached[MAX_REPEATS]; /* seconds until the target, INFINITY if not */
+    double paths_per_second[MAX_REPEATS];
+    double disc_share; /* of the paths that fell into the disc */
+};
+
+static const char help[] =
+    "usage: fovea-bench converge [OPTION...]\n"
+    "Time until the gaze disc (5.79 degrees) reaches a relative RMSE, for every distribution, in one run.\n"
+    "  --scene FILE       default: the shipped hall, with its sky\n"
+    "  --env FILE         environment map\n"
+    "  --sun A,E,S,D      azimuth, elevation, irradiance, angular diameter (deg)\n"
+    "  --eye X,Y,Z        m\n"
+    "  --gaze A,E         azimuth (right) and elevation of the gaze, deg; default 30,-10\n"
+    "  --width N          of the film, pixels; default 1024 (the ratios do not depend on it)\n"
+    "  --bounces N        default: Russian roulette alone\n"
+    "  --target X         relative RMSE; default 0.5\n"
+    "  --repeats N        seeds; medians are printed; default 3\n"
+    "  --limit S          give up on a distribution after S seconds; default 600\n"
+    "  --reference N      paths per pixel of the reference in the disc; default 2000\n"
+    "  --plot FILE.svg    error against time, drawn by gnuplot\n"
+    "  --json             one JSON object instead of the table\n";
+
+static bool parse(int count, char **arguments, struct setup *out)
+{
+    static const struct option option[] = {
+        {"scene", 1, NULL, 's'},   {"env", 1, NULL, 'e'},       {"sun", 1, NULL, 'u'},
+        {"eye", 1, NULL, 'y'},     {"gaze", 1, NULL, 'g'},      {"width", 1, NULL, 'w'},
+        {"bounces", 1, NULL, 'b'}, {"target", 1, NULL, 't'},    {"repeats", 1, NULL, 'r'},
+        {"limit", 1, NULL, 'l'},   {"reference", 1, NULL, 'n'}, {"plot", 1, NULL, 'p'},
+        {"json", 0, NULL, 'j'},    {"help", 0, NULL, 'h'},      {0},
+    };
+    *out = (struct setup){.scene = {.path = FIXTURES "/hall.gltf"},
+                          .azimuth_deg = 30,
+                          .elevation_deg = -10,
+                          .width = 1024,
+                          .repeats = 3,
+                          .reference_spp = 2000,
+                          .target = 0.5,
+                          .limit_seconds = 600};
+    struct rnd_scene_options *scene = &out->scene;
+    bool own_scene = false;
+    for (int c; (c = getopt_long(count, arguments, "", option, NULL)) != -1;) {
+        bool ok = true;
+        switch (c) {
+        case 's':
+            scene->path = optarg, own_scene = true;
+            break;
+        case 'e':
+            scene->env_path = optarg;
+            break;
+        case 'u':
+            scene->has_sun = ok = sscanf(optarg, "%f,%f,%f,%f", &scene->sun[0], &scene->sun[1],
+                                         &scene->sun[2], &scene->sun[3]) == 4;
+            break;
+        case 'y':
+            scene->has_eye = ok =
+                sscanf(optarg, "%f,%f,%f", &scene->eye[0], &scene->eye[1], &scene->eye[2]) == 3;
+            break;
+        case 'g':
+            ok = sscanf(optarg, "%f,%f", &out->azimuth_deg, &out->elevation_deg) == 2;
+            break;
+        case 'w':
+            ok = sscanf(optarg, "%d", &out->width) == 1;
+            break;
+        case 'b':
+            ok = sscanf(optarg, "%d", &out->bounces) == 1 && out->bounces >= 0;
+            break;
+        case 't':
+            ok = sscanf(optarg, "%lf", &out->target) == 1 && out->target > 0.0;
+            break;
+        case 'r':
+            ok = sscanf(optarg, "%d", &out->repeats) == 1 && out->repeats > 0 && out->repeats <= MAX_REPEATS;
+            break;
+        case 'l':
+            ok = sscanf(optarg, "%lf", &out->limit_seconds) == 1;
+            break;
+        case 'n':
+            ok = sscanf(optarg, "%d", &out->reference_spp) == 1 && out->reference_spp > 0;
+            break;
+        case 'p':
+            out->plot = optarg;
+            break;
+        case 'j':
+            out->json = true;
+            break;
+        case 'h':
+            fputs(help, stdout);
+            exit(0);
+        default:
+            return false;
+        }
+        if (!ok) fprintf(stderr, "fovea-bench: cannot use \"%s\" there\n", optarg);
+        if (!ok) return false;
+    }
+    if (!own_scene && !scene->env_path) scene->env_path = FIXTURES "/sky.hdr";
+    return true;
+}
+
+/* The gaze, in the middle of a viewport of that field of view. */
+static struct rnd_aim aim_at(const struct setup *setup, float fov)
+{
+    struct rnd_aim aim = {.fov = {fov, fov}};
+    const float a = -0.5f * RAD(setup->azimuth_deg), e = 0.5f * RAD(setup->elevation_deg);
+    rnd_direction(2.0f * -a, 2.0f * e, aim.gaze);
+    /* yaw about Y, then pitch about the view's X */
+    aim.view[0] = cosf(a) * sinf(e);
+    aim.view[1] = sinf(a) * cosf(e);
+    aim.view[2] = -sinf(a) * sinf(e);
+    aim.view[3] = cosf(a) * cosf(e);
+    return aim;
+}
+
+static bool in_disc(const struct setup *setup, const struct rnd_aim *aim, int x, int y)
+{
+    float d[3], dot = 0.0f;
+    rnd_direction(((float)x + 0.5f) / (float)setup->width * 2.0f * (float)M_PI - (float)M_PI,
+                  (float)M_PI / 2.0f - ((float)y + 0.5f) / (float)(setup->width / 2) * (float)M_PI, d);
+    for (int c = 0; c < 3; c++) dot += d[c] * aim->gaze[c];
+    return dot >= cosf(RAD(DISC_DEG));
+}
+
+static struct rnd_render *create(const struct rnd_scene *scene, const struct setup *setup,
+                                 const struct rnd_distribution *distribution, uint64_t seed)
+{
+    char error[RND_ERROR_SIZE];
+    const struct rnd_render_options options = {.width = setup->width,
+                                               .height = setup->width / 2,
+                                               .seed = seed,
+                                               .max_bounces = setup->bounces,
+                                               .distribution = distribution};
+    struct rnd_render *render = rnd_render_create(scene, &options, error);
+    if (!render) fprintf(stderr, "fovea-bench: %s\n", error);
+    return render;
+}
+
+/* The disc, converged: all paths fall into a viewport that is just larger. Returns the film, and the relative
+ * standard error of its disc from the half-buffers. */
+static float *make_reference(const struct rnd_scene *scene, const struct setup *setup, double *out_error)
+{
+    const struct rnd_aim aim = aim_at(setup, RAD(2.0f * DISC_DEG + 1.0f));
+    struct rnd_render *render = create(scene, setup, rnd_distribution_find("vp"), 0x5eed);
+    const size_t pixels = (size_t)setup->width * setup->width / 2;
+    float *film = malloc(pixels * 3 * sizeof *film), *error = malloc(pixels * sizeof *error);
+    if (!render || !film || !error) exit(1);
+    const double area =
+        pow(setup->width / 360.0 * (2.0 * DISC_DEG + 1.0), 2.0) / cos(RAD(setup->elevation_deg));
+    const uint64_t paths = (uint64_t)(area * setup->reference_spp);
+    struct rnd_batch batch;
+    for (uint64_t done = 0; done < paths; done += BATCH) {
+        rnd_render_batch(render, &aim, 0, BATCH, &batch);
+        if (done / BATCH % 128 == 0)
+            fprintf(stderr, "\rreference %3.0f %%", 100.0 * (double)done / (double)paths);
+    }
+    fprintf(stderr, "\r               \r");
+    rnd_render_resolve(render, film, NULL, error);
+    double square = 0.0, light = 0.0;
+    int n = 0;
+    for (int y = 0; y < setup->width / 2; y++)
+        for (int x = 0; x < setup->width; x++) {
+            if (!in_disc(setup, &aim, x, y)) continue;
+            const size_t i = (size_t)y * setup->width + x;
+            square += (double)error[i] * error[i];
+            light += 0.2126 * film[3 * i] + 0.7152 * film[3 * i + 1] + 0.0722 * film[3 * i + 2];
+            n++;
+        }
+    *out_error = sqrt(square / n) / (light / n);
+    rnd_render_destroy(render);
+    free(error);
+    return film;
+}
+
+/* Seconds at which the curve crossed the target: straight lines in log-log, as error falls with a power of
+ * time. */
+static double crossing(const struct way *way, double target)
+{
+    for (int i = 1; i < way->points; i++) {
+        if (way->error[i] > target) continue;
+        const double t = log(way->error[i - 1] / target) / log(way->error[i - 1] / way->error[i]);
+        return way->time[i - 1] * pow(way->time[i] / way->time[i - 1], t);
+    }
+    return INFINITY;
+}
+
+static void measure(struct way *way, const struct setup *setup, const struct rnd_aim *aim,
+                    const float *reference, float *film)
+{
+    rnd_render_resolve(way->render, film, NULL, NULL);
+    way->time[way->points] = way->seconds;
+    way->error[way->points++] =
+        rnd_relative_rmse(film, reference, setup->width, setup->width / 2, aim->gaze, RAD(DISC_DEG));
+}
+
+static double share_in_disc(struct way *way, const struct setup *setup, const struct rnd_aim *aim,
+                            float *samples)
+{
+    double inside = 0.0;
+    rnd_render_resolve(way->render, NULL, samples, NULL);
+    for (int y = 0; y < setup->width / 2; y++)
+        for (int x = 0; x < setup->width; x++)
+            if (in_disc(setup, aim, x, y)) inside += samples[(size_t)y * setup->width + x];
+    return inside / (double)way->paths;
+}
+
+/* One race of all ways from empty films, with the random numbers of a seed. */
+static bool race(const struct rnd_scene *scene, const struct setup *setup, struct way *ways, int count,
+                 int repeat, const float *reference, float *film)
+{
+    const struct rnd_aim aim = aim_at(setup, RAD(100.0f));
+    for (int i = 0; i < count; i++) {
+        struct way *way = &ways[i];
+        way->seconds = way->rays = 0.0;
+        way->paths = 0;
+        way->points = 0;
+        if (!(way->render = create(scene, setup, way->distribution, 1 + (uint64_t)repeat))) return false;
+    }
+    int running = count;
+    for (double until = 0.02; running > 0; until *= 1.2) {
+        running = 0;
+        for (int i = 0; i < count; i++) {
+            struct way *way = &ways[i];
+            const bool done = way->points > 1 && way->error[way->points - 1] <= 0.8 * setup->target;
+            if (done || way->points == MAX_POINTS || way->seconds > setup->limit_seconds) continue;
+            struct rnd_batch batch;
+            while (way->seconds < until) {
+                rnd_render_batch(way->render, &aim, 0, BATCH, &batch);
+                way->seconds += batch.seconds;
+                way->paths += batch.paths;
+                way->rays += (double)batch.rays;
+            }
+            measure(way, setup, &aim, reference, film);
+            running++;
+        }
+        fprintf(stderr, "\rseed %d of %d, %d distributions under way, %.1f s each   ", repeat + 1,
+                setup->repeats, running, until);
+    }
+    for (int i = 0; i < count; i++) {
+        ways[i].reached[repeat] = crossing(&ways[i], setup->target);
+        ways[i].paths_per_second[repeat] = (double)ways[i].paths / ways[i].seconds;
+        ways[i].disc_share = share_in_disc(&ways[i], setup, &aim, film);
+        rnd_render_destroy(ways[i].render);
+    }
+    return true;
+}
+
+static int ascending(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double median(const double *values, int count)
+{
+    double sorted[MAX_REPEATS];
+    memcpy(sorted, values, (size_t)count * sizeof *values);
+    qsort(sorted, (size_t)count, sizeof *sorted, ascending);
+    return count % 2 ? sorted[count / 2] : 0.5 * (sorted[count / 2 - 1] + sorted[count / 2]);
+}
+
+static void print_json(const struct setup *setup, const struct way *ways, int count, double reference_error)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < count; i++) {
+        const struct way *way = &ways[i];
+        const double seconds = median(way->reached, setup->repeats),
+                     first = median(ways[0].reached, setup->repeats);
+        json_t *curve = json_array();
+        for (int k = 0; k < way->points; k++)
+            json_array_append_new(curve, json_pack("[f,f]", way->time[k], way->error[k]));
+        json_t *row = json_pack("{s:s,s:f,s:f,s:o}", "distribution", way->distribution->name,
+                                "paths_per_second", median(way->paths_per_second, setup->repeats),
+                                "disc_share", way->disc_share, "curve", curve);
+        json_object_set_new(row, "seconds", isfinite(seconds) ? json_real(seconds) : json_null());
+        json_object_set_new(row, "times_slower_than_fv",
+                            isfinite(seconds / first) ? json_real(seconds / first) : json_null());
+        json_array_append_new(list, row);
+    }
+    json_t *root = json_pack("{s:s,s:f,s:f,s:f,s:i,s:i,s:f,s:o}", "scene", setup->scene.path, "target",
+                             setup->target, "azimuth_deg", setup->azimuth_deg, "elevation_deg",
+                             setup->elevation_deg, "width", setup->width, "repeats", setup->repeats,
+                             "reference_relative_error", reference_error, "distributions", list);
+    json_dumpf(root, stdout, JSON_INDENT(1) | JSON_REAL_PRECISION(6));
+    putchar('\n');
+    json_decref(root);
+}
+
+static void print_table(const struct setup *setup, const struct way *ways, int count, double reference_error)
+{
+    printf("%s, gaze %g right %g up, film %d x %d, medians of %d; error of the reference itself %.3f\n",
+           setup->scene.path, setup->azimuth_deg, setup->elevation_deg, setup->width, setup->width / 2,
+           setup->repeats, reference_error);
+    printf("%-10s %10s %12s %22s %14s\n", "placed by", "Mpaths/s", "in the disc", "s to relative RMSE",
+           "slower than fv");
+    for (int i = 0; i < count; i++) {
+        const double seconds = median(ways[i].reached, setup->repeats);
+        printf("%-10s %10.3f %10.2f %% %13.3f for %.3g %12.1f x\n", ways[i].distribution->name,
+               1e-6 * median(ways[i].paths_per_second, setup->repeats), 100.0 * ways[i].disc_share, seconds,
+               setup->target, seconds / median(ways[0].reached, setup->repeats));
+    }
+}
+
+static bool plot(const struct setup *setup, const struct way *ways, int count)
+{
+    FILE *gnuplot = popen("gnuplot", "w");
+    if (!gnuplot) return false;
+    fprintf(
+        gnuplot,
+        "set terminal svg size 800,560 font 'sans,14' background 'white'\nset output '%s'\nset logscale xy\n"
+        "set xlabel 'rendering time, s'\nset ylabel 'relative RMSE of the gaze disc (5.79 degrees)'\nset "
+        "grid\n"
+        "set key top right\nplot %g with lines dashtype 2 linecolor 'grey' title 'target'",
+        setup->plot, setup->target);
+    for (int i = 0; i < count; i++)
+        fprintf(gnuplot, ", '-' with lines linewidth 2 title '%s: %s'", ways[i].distribution->name,
+                ways[i].distribution->summary);
+    fprintf(gnuplot, "\n");
+    for (int i = 0; i < count; i++) {
+        for (int k = 0; k < ways[i].points; k++)
+            fprintf(gnuplot, "%g %g\n", ways[i].time[k], ways[i].error[k]);
+        fprintf(gnuplot, "e\n");
+    }
+    return pclose(gnuplot) == 0;
+}
+
+int bench_converge(int count, char **arguments)
+{
+    struct setup setup;
+    char error[RND_ERROR_SIZE];
+    if (!parse(count, arguments, &setup)) return 2;
+    struct rnd_scene *scene = rnd_scene_load(&setup.scene, error);
+    if (!scene) {
+        fprintf(stderr, "fovea-bench: %s\n", error);
+        return 1;
+    }
+    static struct way ways[MAX_WAYS];
+    int n = 0;
+    for (const struct rnd_distribution *d; n < MAX_WAYS && (d = rnd_distribution_at((size_t)n)); n++)
+        ways[n].distribution = d;
+    double reference_error;
+    float *film = malloc((size_t)setup.width * setup.width / 2 * 3 * sizeof *film);
+    float *reference = make_reference(scene, &setup, &reference_error);
+    bool ok = film && reference;
+    for (int r = 0; ok && r < setup.repeats; r++) ok = race(scene, &setup, ways, n, r, reference, film);
+    fprintf(stderr, "\r%70s\r", "");
+    if (ok && setup.plot && !(ok = plot(&setup, ways, n)))
+        fprintf(stderr, "fovea-bench: gnuplot could not draw %s\n", setup.plot);
+    if (ok) (setup.json ? print_json : print_table)(&setup, ways, n, reference_error);
+    free(film);
+    free(reference);
+    rnd_scene_destroy(scene);
+    return ok ? 0 : 1;
+}

@@ -1,0 +1,55 @@
+#!/bin/sh
+# Proves the two commands on a machine that has nothing: a minimal Debian 12 root made by debootstrap, with a clone of
+# this tree in it; there `sh daemon/demo.sh` and then `sh tests/run.sh`. Needs root. Mirror, keyring and apt's settings
+# are those of the machine that it runs on. The demonstration's pictures are left in out/fresh/.
+set -eu
+cd "$(dirname "$0")/.."
+tree=$PWD
+
+say() { printf 'fresh: %s\n' "$*"; }
+die() { printf 'fresh: %s\n' "$*" >&2; exit 1; }
+
+[ "$(id -u)" = 0 ] || die "must be run as root: debootstrap and chroot need it"
+command -v debootstrap >/dev/null || apt-get install -y --no-install-recommends debootstrap >/dev/null
+command -v git >/dev/null || die "git is missing: apt-get install git"
+[ -z "$(git status --porcelain)" ] || say "only what is committed is tested; there are changes that are not"
+
+mirror=$(apt-get indextargets --format '$(REPO_URI) $(CODENAME)' 'Created-By: Packages' | sed -n 's/ bookworm$//p' | head -n 1)
+keyring=/usr/share/keyrings/debian-archive-keyring.gpg
+[ -n "$mirror" ] || mirror=http://deb.debian.org/debian
+root=$(mktemp -d /var/tmp/fovead-fresh.XXXXXX)
+
+finish() {
+    for place in proc dev/shm dev/pts dev sys; do
+        mountpoint -q "$root/$place" && umount -l "$root/$place"
+    done
+    rm -rf --one-file-system "$root"
+}
+trap finish EXIT
+trap 'exit 130' INT TERM
+
+say "a minimal Debian 12 from $mirror"
+debootstrap --variant=minbase --keyring="$keyring" bookworm "$root" "$mirror" >"$root.log" 2>&1 ||
+    { tail -n 5 "$root.log" >&2; die "debootstrap failed"; }
+rm -f "$root.log"
+for setting in /etc/apt/apt.conf /etc/apt/apt.conf.d/*; do
+    [ -f "$setting" ] && cp "$setting" "$root/etc/apt/apt.conf.d/" || true
+done
+cp /etc/resolv.conf "$root/etc/resolv.conf"
+mount -t proc proc "$root/proc"
+mount --rbind /dev "$root/dev"
+git clone -q "$tree" "$root/fovead"
+
+inside() {
+    chroot "$root" env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 TERM=dumb sh -c "cd /fovead && $1"
+}
+say "sh daemon/demo.sh"
+inside "sh daemon/demo.sh"
+for file in preview.png panorama.png panorama.exr samples.png summary.json; do
+    [ -s "$root/fovead/out/$file" ] || die "the demonstration left no out/$file"
+done
+mkdir -p out/fresh
+cp "$root"/fovead/out/* out/fresh/
+say "sh tests/run.sh"
+inside "sh tests/run.sh"
+say "both commands work on a fresh Debian 12"
