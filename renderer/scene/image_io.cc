@@ -104,8 +104,8 @@ extern "C" bool rnd_pixels_write(const char *path, const char *format, int width
         const bool one_type = std::all_of(channel, channel + channels,
                                           [&](const rnd_channel &c) { return c.type == channel[0].type; });
         if (one_type) spec.channelformats.clear();
-        // OpenImageIO would write the time of day, and the same picture would be another file.
-        spec.attribute("DateTime", "1970:01:01 00:00:00");
+        // OpenEXR files would get the time of day, and the same picture would be another file.
+        if (strcmp(format, "exr") == 0) spec.attribute("DateTime", "1970:01:01 00:00:00");
         spec.attribute("Software", "fovead " FOVEAD_VERSION);
         spec.attribute("compression", "zip");
         if (equirectangular) {
@@ -113,6 +113,10 @@ extern "C" bool rnd_pixels_write(const char *path, const char *format, int width
             spec.attribute("GPano:ProjectionType", "equirectangular");
             spec.attribute("GPano:FullPanoWidthPixels", width);
             spec.attribute("GPano:FullPanoHeightPixels", height);
+            spec.attribute("GPano:CroppedAreaImageWidthPixels", width);
+            spec.attribute("GPano:CroppedAreaImageHeightPixels", height);
+            spec.attribute("GPano:CroppedAreaLeftPixels", 0);
+            spec.attribute("GPano:CroppedAreaTopPixels", 0);
         }
         if (!out->open(path, spec)) return fail(out_error, error_size, out->geterror());
         const bool ok = out->write_image(OIIO::TypeDesc::FLOAT, data);
