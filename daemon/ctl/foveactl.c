@@ -1,0 +1,292 @@
+/* foveactl: the command line, and what commands share. */
+#include <ctype.h>
+#include <getopt.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ctl.h"
+
+static const struct ctl_command COMMANDS[] = {
+    {"watch", "", "show how the picture grows, where the eye looks and how long things take", 0,
+     CTL_DAEMON | CTL_JSON | CTL_FOR | CTL_UNTIL_FINISHED, ctl_watch},
+    {"snapshot", "FILE", "save the picture as received: .exr, .png or .jpg; panorama or --view", 1,
+     CTL_DAEMON | CTL_JSON | CTL_VIEW | CTL_SIZE | CTL_SETTLE, ctl_snapshot},
+    {"stats", "", "print the daemon's figures once", 0, CTL_DAEMON | CTL_JSON, ctl_stats},
+    {"freeze", "", "keep sampling where the gaze is now", 0, CTL_DAEMON, ctl_freeze},
+    {"unfreeze", "", "follow the gaze again", 0, CTL_DAEMON, ctl_unfreeze},
+    {"look", "YAW,PITCH", "move the gaze there, degrees (for fovead --gaze pointer)", 1, CTL_DAEMON,
+     ctl_look},
+    {"save", "FILE.exr", "have the daemon write colour, sample counts and errors", 1, CTL_DAEMON, ctl_save},
+    {"samples", "FILE.exr OUT.png", "draw where samples went, from a file that was saved", 2, CTL_GAZE,
+     ctl_samples},
+    {0},
+};
+
+static const char HELP[] =
+    "\n"
+    "Options\n"
+    "  --connect ADDRESS       unix:PATH or tcp:HOST:PORT; default: $XDG_RUNTIME_DIR/fovead.sock, else\n"
+    "                          /tmp/fovead-UID.sock. FOVEAD_TOKEN in the environment is sent along\n"
+    "  --wait                  wait for the daemon to come up, a minute at most\n"
+    "  --json                  watch, stats, snapshot: one JSON object\n"
+    "  --for SECONDS           watch: so long; otherwise until the daemon ends or Ctrl-C\n"
+    "  --until-finished        watch: until the gaze recording has ended\n"
+    "  --view YAW,PITCH,FOV    snapshot: what lies in that direction, in degrees right and up of forward, "
+    "with that\n"
+    "  --view gaze,FOV         horizontal field of view; or where the gaze is\n"
+    "  --size WxH              snapshot: of the view; 1280x1280\n"
+    "  --settle SECONDS        snapshot: wait for finer tiles once all is there; 1.5\n"
+    "  --gaze LOG              samples: draw the path of this recorded gaze\n"
+    "      --help, --version\n";
+
+static const struct option LONG[] = {
+    {"connect", required_argument, NULL, 'c'},  {"wait", no_argument, NULL, 'w'},
+    {"json", no_argument, NULL, 'j'},           {"for", required_argument, NULL, 'f'},
+    {"until-finished", no_argument, NULL, 'u'}, {"view", required_argument, NULL, 'v'},
+    {"size", required_argument, NULL, 'z'},     {"settle", required_argument, NULL, 's'},
+    {"gaze", required_argument, NULL, 'g'},     {"help", no_argument, NULL, 'h'},
+    {"version", no_argument, NULL, 'V'},        {0},
+};
+
+/* What an option is called in ctl_command.options. */
+static unsigned bit_of(int option)
+{
+    switch (option) {
+    case 'c':
+    case 'w':
+        return CTL_DAEMON;
+    case 'j':
+        return CTL_JSON;
+    case 'f':
+        return CTL_FOR;
+    case 'u':
+        return CTL_UNTIL_FINISHED;
+    case 'v':
+        return CTL_VIEW;
+    case 'z':
+        return CTL_SIZE;
+    case 's':
+        return CTL_SETTLE;
+    case 'g':
+        return CTL_GAZE;
+    default:
+        return 0;
+    }
+}
+
+static const char *name_of(unsigned bits)
+{
+    for (const struct option *o = LONG; o->name; o++)
+        if (bit_of(o->val) & bits) return o->name;
+    return "";
+}
+
+bool ctl_fail(const char *format, ...)
+{
+    va_list args;
+
+    fputs("foveactl: ", stderr);
+    va_start(args, format);
+    vfprintf(stderr, format, args);
+    va_end(args);
+    fputc('\n', stderr);
+    return false;
+}
+
+static void help(void)
+{
+    puts(
+        "Usage: foveactl [OPTION]... COMMAND\n\nShows and steers what a running fovead renders.\n\nCommands");
+    for (const struct ctl_command *c = COMMANDS; c->name; c++) {
+        char usage[64];
+
+        snprintf(usage, sizeof(usage), "%s %s", c->name, c->operands);
+        printf("  %-24s%s\n", usage, c->summary);
+    }
+    fputs(HELP, stdout);
+}
+
+static bool take_seconds(const char *name, const char *text, double *out)
+{
+    if (dmn_parse_numbers(text, 1, out) && *out >= 0 && *out < 1e7) return true;
+    return ctl_fail("--%s wants seconds, not '%s'", name, text);
+}
+
+static bool take_view(struct ctl *ctl, const char *text)
+{
+    ctl->view_gaze = !strncmp(text, "gaze,", 5);
+    if (ctl->view_gaze ? dmn_parse_numbers(text + 5, 1, &ctl->view[2])
+                       : dmn_parse_numbers(text, 3, ctl->view))
+        if (ctl->view[2] > 0 && ctl->view[2] < 180 && ctl->view[1] >= -90 && ctl->view[1] <= 90) return true;
+    return ctl_fail("--view wants YAW,PITCH,FOV or gaze,FOV in degrees, not '%s'", text);
+}
+
+static bool take(struct ctl *ctl, int option, const char *text)
+{
+    char error[PRO_ERROR_SIZE];
+
+    ctl->given |= bit_of(option);
+    switch (option) {
+    case 'c':
+        return pro_address_parse(text, &ctl->address, error) || ctl_fail("--connect: %s", error);
+    case 'w':
+        return ctl->wait = true;
+    case 'j':
+        return ctl->json = true;
+    case 'f':
+        return take_seconds("for", text, &ctl->seconds);
+    case 'u':
+        return ctl->until_finished = true;
+    case 'v':
+        return take_view(ctl, text);
+    case 'z':
+        if (dmn_parse_size(text, &ctl->width, &ctl->height) && ctl->height && ctl->width <= 16384 &&
+            ctl->height <= 16384)
+            return true;
+        return ctl_fail("--size wants WxH, up to 16384x16384, not '%s'", text);
+    case 's':
+        return take_seconds("settle", text, &ctl->settle);
+    default:
+        ctl->gaze = text;
+        return true;
+    }
+}
+
+/* -1: run it; else the exit status. */
+static int parse(int argc, char **argv, struct ctl *ctl, const struct ctl_command **out_command)
+{
+    const struct ctl_command *command = COMMANDS;
+    int option;
+
+    opterr = 0;
+    while ((option = getopt_long(argc, argv, ":", LONG, NULL)) != -1) {
+        if (option == 'h') return help(), 0;
+        if (option == 'V') return puts("foveactl " FOVEAD_VERSION), 0;
+        if (option == ':') return ctl_fail("%s needs a value; see foveactl --help", argv[optind - 1]), 2;
+        if (option == '?') return ctl_fail("unknown option %s; see foveactl --help", argv[optind - 1]), 2;
+        if (!take(ctl, option, optarg)) return 2;
+    }
+    if (optind == argc) return ctl_fail("which command? see foveactl --help"), 2;
+    ctl->command = argv[optind++];
+    while (command->name && strcmp(command->name, ctl->command) != 0) command++;
+    if (!command->name) return ctl_fail("there is no command '%s'; see foveactl --help", ctl->command), 2;
+    if (argc - optind != command->count)
+        return ctl_fail("usage: foveactl %s %s", command->name, command->operands), 2;
+    if (ctl->given & ~command->options)
+        return ctl_fail("--%s does not go with %s", name_of(ctl->given & ~command->options), command->name),
+               2;
+    if (ctl->given & CTL_SIZE && !(ctl->given & CTL_VIEW)) return ctl_fail("--size needs --view"), 2;
+    ctl->operand = argv + optind;
+    *out_command = command;
+    return -1;
+}
+
+/* getopt takes "-30,10" for an option; a space before it makes it an operand, and numbers are read past
+ * spaces. */
+static bool hide_negatives(int argc, char **argv)
+{
+    for (int i = 1; i < argc; i++) {
+        char *hidden;
+
+        if (argv[i][0] != '-' || !(isdigit((unsigned char)argv[i][1]) || argv[i][1] == '.')) continue;
+        if (asprintf(&hidden, " %s", argv[i]) < 0) return ctl_fail("out of memory");
+        argv[i] = hidden;
+    }
+    return true;
+}
+
+int main(int argc, char **argv)
+{
+    struct ctl ctl = {.settle = 1.5, .width = 1280, .height = 1280};
+    const struct ctl_command *command = NULL;
+    char **own = calloc((size_t)argc + 1, sizeof(*own)), error[PRO_ERROR_SIZE];
+    int status = 1;
+
+    signal(SIGPIPE, SIG_IGN);
+    if (!own) return ctl_fail("out of memory"), 1;
+    memcpy(own, argv, (size_t)argc * sizeof(*own));
+    if (hide_negatives(argc, own)) {
+        if (!pro_address_parse(NULL, &ctl.address, error))
+            ctl_fail("%s", error);
+        else if ((status = parse(argc, own, &ctl, &command)) < 0)
+            status = command->run(&ctl);
+    }
+    for (int i = 0; i < argc; i++) {
+        bool same = false;
+
+        /* getopt has changed their order. */
+        for (int j = 0; j < argc; j++) same |= own[i] == argv[j];
+        if (!same) free(own[i]);
+    }
+    free(own);
+    return status;
+}
+
+/* --- for the commands
+ * ---------------------------------------------------------------------------------------- */
+
+struct pro_client *ctl_connect(const struct ctl *ctl, Fovea__Encoding tiles, bool gaze, bool stats)
+{
+    Fovea__Hello hello = FOVEA__HELLO__INIT;
+    char name[64], error[PRO_ERROR_SIZE];
+    const char *token = getenv("FOVEAD_TOKEN");
+    struct pro_client *client;
+
+    snprintf(name, sizeof(name), "foveactl %s " FOVEAD_VERSION, ctl->command);
+    hello.client = name;
+    hello.tiles = tiles;
+    hello.gaze = gaze;
+    hello.stats = stats;
+    if (token) hello.token = (char *)token;
+    client = pro_connect(&ctl->address, &hello, ctl->wait ? 60000 : 5000, ctl->wait, error);
+    if (!client) ctl_fail("%s", error);
+    return client;
+}
+
+Fovea__Message *ctl_await(struct pro_client *client, Fovea__Message__BodyCase body, double seconds)
+{
+    uint64_t end_ns = dmn_now_ns() + (uint64_t)(seconds * 1e9), now_ns;
+    char error[PRO_ERROR_SIZE];
+
+    while ((now_ns = dmn_now_ns()) < end_ns) {
+        Fovea__Message *message;
+        enum pro_result result = pro_receive(client, (int)((end_ns - now_ns) / 1000000 + 1), &message, error);
+
+        if (result == PRO_BROKEN) {
+            ctl_fail("%s", error);
+            return NULL;
+        }
+        if (result != PRO_MESSAGE) continue;
+        if (message->body_case == body) return message;
+        fovea__message__free_unpacked(message, NULL);
+    }
+    ctl_fail("no answer within %g s", seconds);
+    return NULL;
+}
+
+/* Messages are taken in order, so a Pong says that what went before it is done. */
+bool ctl_tell(struct pro_client *client, const Fovea__Message *message)
+{
+    Fovea__Message message_ping = FOVEA__MESSAGE__INIT;
+    Fovea__Ping ping = FOVEA__PING__INIT;
+    char error[PRO_ERROR_SIZE];
+    uint64_t client_ns;
+
+    /* The client library asks the time as well: its own questions never carry this. */
+    ping.client_ns = UINT64_MAX;
+    message_ping.body_case = FOVEA__MESSAGE__BODY_PING;
+    message_ping.ping = &ping;
+    if (!pro_send(client, message, error) || !pro_send(client, &message_ping, error))
+        return ctl_fail("%s", error);
+    do {
+        Fovea__Message *pong = ctl_await(client, FOVEA__MESSAGE__BODY_PONG, 5);
+
+        if (!pong) return false;
+        client_ns = pong->pong->client_ns;
+        fovea__message__free_unpacked(pong, NULL);
+    } while (client_ns != UINT64_MAX);
+    return true;
+}

@@ -1,0 +1,175 @@
+/* foveactl samples: where the samples of a saved film went, and the path of the gaze that drew them there. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "ctl.h"
+#include "tracker.h"
+
+enum { MOST_WIDTH = 2048 };
+
+/* The line's and the marks' half widths, pixels. */
+static const float LINE_PX = 0.8f, MARK_PX = 6, RIM_PX = 1.5f;
+static const float LINE_COLOUR[3] = {0.25f, 1, 0.95f}, FIRST_COLOUR[3] = {0.2f, 1, 0.3f},
+                   LAST_COLOUR[3] = {1, 0.35f, 0.3f};
+
+struct map {
+    int width, height;
+    float *rgb;   /* linear */
+    float *cover; /* of the line, 0 to 1 */
+};
+
+static float to_linear(float srgb)
+{
+    return srgb <= 0.04045f ? srgb / 12.92f : powf((srgb + 0.055f) / 1.055f, 2.4f);
+}
+
+/* Matplotlib's inferno (van der Walt and Smith 2015), by the polynomial of M. Zucker: perceptually even, dark
+ * to bright. t from 0 to 1; linear Rec.709 out. */
+static void colour(float t, float out[3])
+{
+    static const float C[7][3] = {
+        {0.00021894f, 0.00165100f, -0.01948090f},  {0.10651342f, 0.56395644f, 3.93271239f},
+        {11.6024931f, -3.97285397f, -15.9423941f}, {-41.7039961f, 17.4363989f, 44.3541452f},
+        {77.1629357f, -33.4023589f, -81.8073093f}, {-71.3194282f, 32.6260643f, 73.2095199f},
+        {25.1311262f, -12.2426690f, -23.0703250f},
+    };
+
+    for (int c = 0; c < 3; c++) {
+        float value = 0;
+
+        for (int i = 6; i >= 0; i--) value = value * t + C[i][c];
+        out[c] = to_linear(fminf(1, fmaxf(0, value)));
+    }
+}
+
+/* Means of squares of pixels, so that the map is at most MOST_WIDTH wide; in place. Returns the largest. */
+static float shrink(float *counts, int width, int height, struct map *map)
+{
+    int side = (width + MOST_WIDTH - 1) / MOST_WIDTH;
+    float most = 0;
+
+    map->width = width / side;
+    map->height = height / side;
+    for (int y = 0; y < map->height; y++)
+        for (int x = 0; x < map->width; x++) {
+            double sum = 0;
+
+            for (int j = 0; j < side; j++)
+                for (int i = 0; i < side; i++) sum += counts[(size_t)(y * side + j) * width + x * side + i];
+            counts[(size_t)y * map->width + x] = (float)(sum / (side * side));
+            most = fmaxf(most, (float)(sum / (side * side)));
+        }
+    return most;
+}
+
+/* Keep the greater coverage, so that the joints of a line are no brighter than the rest. */
+static void cover_segment(struct map *map, const float a[2], const float b[2])
+{
+    float reach = LINE_PX + 1, d[2] = {b[0] - a[0], b[1] - a[1]}, square = d[0] * d[0] + d[1] * d[1];
+    int low_x = (int)floorf(fminf(a[0], b[0]) - reach), high_x = (int)ceilf(fmaxf(a[0], b[0]) + reach);
+    int low_y = (int)floorf(fminf(a[1], b[1]) - reach), high_y = (int)ceilf(fmaxf(a[1], b[1]) + reach);
+
+    for (int y = low_y < 0 ? 0 : low_y; y <= high_y && y < map->height; y++)
+        for (int x = low_x < 0 ? 0 : low_x; x <= high_x && x < map->width; x++) {
+            float p[2] = {(float)x + 0.5f - a[0], (float)y + 0.5f - a[1]}, along, distance;
+            float *cover = &map->cover[(size_t)y * map->width + x];
+
+            along = square > 0 ? fminf(1, fmaxf(0, (p[0] * d[0] + p[1] * d[1]) / square)) : 0;
+            distance = hypotf(p[0] - along * d[0], p[1] - along * d[1]);
+            *cover = fmaxf(*cover, fminf(1, fmaxf(0, LINE_PX + 0.5f - distance)));
+        }
+}
+
+static void blend(struct map *map, int x, int y, const float to[3], float share)
+{
+    float *pixel = &map->rgb[((size_t)y * map->width + x) * 3];
+
+    for (int c = 0; c < 3; c++) pixel[c] += (to[c] - pixel[c]) * share;
+}
+
+/* A disc with a dark rim. */
+static void mark(struct map *map, const float at[2], const float colour_of[3])
+{
+    static const float DARK[3] = {0, 0, 0};
+    int reach = (int)(MARK_PX + RIM_PX + 2);
+
+    for (int y = (int)at[1] - reach; y <= (int)at[1] + reach; y++)
+        for (int x = (int)at[0] - reach; x <= (int)at[0] + reach; x++) {
+            float distance = hypotf((float)x + 0.5f - at[0], (float)y + 0.5f - at[1]);
+
+            if (x < 0 || y < 0 || x >= map->width || y >= map->height) continue;
+            blend(map, x, y, DARK, fminf(1, fmaxf(0, MARK_PX + RIM_PX + 0.5f - distance)));
+            blend(map, x, y, colour_of, fminf(1, fmaxf(0, MARK_PX + 0.5f - distance)));
+        }
+}
+
+static void draw_path(struct map *map, const struct trk_log *log)
+{
+    float last[2] = {0, 0}, first[2] = {0, 0};
+    bool any = false, joined = false;
+
+    for (size_t i = 0; i < log->count; i++) {
+        float d[3], at[2];
+
+        if (!trk_world_direction(&log->samples[i], d)) {
+            joined = false;
+            continue;
+        }
+        at[0] = (0.5f + atan2f(d[0], -d[2]) / (2 * (float)M_PI)) * (float)map->width;
+        at[1] = (0.5f - asinf(fmaxf(-1, fminf(1, d[1]))) / (float)M_PI) * (float)map->height;
+        /* Half the width in one step is the seam, not the eye. */
+        if (joined && fabsf(at[0] - last[0]) < (float)map->width / 2) cover_segment(map, last, at);
+        for (int c = 0; c < 2; c++) last[c] = at[c];
+        for (int c = 0; c < 2 && !any; c++) first[c] = at[c];
+        any = joined = true;
+    }
+    for (int y = 0; y < map->height; y++)
+        for (int x = 0; x < map->width; x++)
+            blend(map, x, y, LINE_COLOUR, map->cover[(size_t)y * map->width + x]);
+    if (any) mark(map, first, FIRST_COLOUR);
+    if (any) mark(map, last, LAST_COLOUR);
+}
+
+static bool draw(const struct ctl *ctl, float *counts, int width, int height, const struct trk_log *log)
+{
+    struct map map = {0};
+    char error[RND_ERROR_SIZE];
+    float most = shrink(counts, width, height, &map), scale = most > 0 ? 1 / log1pf(most) : 0;
+    size_t pixels = (size_t)map.width * map.height;
+    bool good = false;
+
+    map.rgb = malloc(pixels * 3 * sizeof(*map.rgb));
+    map.cover = calloc(pixels, sizeof(*map.cover));
+    if (!map.rgb || !map.cover) {
+        ctl_fail("out of memory");
+        goto end;
+    }
+    for (size_t i = 0; i < pixels; i++) colour(log1pf(counts[i]) * scale, &map.rgb[3 * i]);
+    if (log) draw_path(&map, log);
+    good = rnd_image_write(ctl->operand[1], map.width, map.height, map.rgb, true, error) ||
+           ctl_fail("%s", error);
+    if (good)
+        printf("%s: %dx%d, from no path a pixel (black) to %.4g (bright), log scale\n", ctl->operand[1],
+               map.width, map.height, most);
+end:
+    free(map.rgb);
+    free(map.cover);
+    return good;
+}
+
+int ctl_samples(const struct ctl *ctl)
+{
+    char error[RND_ERROR_SIZE];
+    struct trk_log log = {0};
+    float *counts;
+    int width, height;
+    bool good;
+
+    if (ctl->gaze && !trk_log_read(ctl->gaze, &log, error)) return ctl_fail("%s", error), 1;
+    counts = rnd_image_read_channel(ctl->operand[0], "samples", &width, &height, error);
+    good = counts ? draw(ctl, counts, width, height, ctl->gaze ? &log : NULL) : ctl_fail("%s", error);
+    free(counts);
+    trk_log_finish(&log);
+    return good ? 0 : 1;
+}

@@ -1,0 +1,153 @@
+/* foveactl snapshot: the picture as a client has it, saved as a panorama or as a view into it. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <jansson.h>
+
+#include "ctl.h"
+
+/* A daemon that sends nothing for so long sends nothing at all. */
+static const uint64_t SILENCE_NS = 10000000000;
+/* Summing up what has come is not free: not after every tile. */
+static const uint64_t LOOK_NS = 50000000;
+
+struct snapshot {
+    const struct ctl *ctl;
+    struct pro_client *client;
+    bool has_gaze;
+    float gaze[3];
+    uint64_t tiles;
+    double coverage;
+};
+
+static bool is_image(const char *path)
+{
+    static const char *const ENDS[] = {".exr", ".png", ".jpg", ".jpeg"};
+    const char *dot = strrchr(path, '.');
+
+    for (size_t i = 0; dot && i < sizeof(ENDS) / sizeof(*ENDS); i++)
+        if (!strcasecmp(dot, ENDS[i])) return true;
+    return ctl_fail("snapshot wants a name that ends in .exr, .png or .jpg, not '%s'", path);
+}
+
+/* Receive until there is something everywhere, and a while longer for what is finer. */
+static bool gather(struct snapshot *snapshot)
+{
+    uint64_t heard_ns = dmn_now_ns(), looked_ns = 0, whole_ns = 0;
+
+    for (;;) {
+        char error[PRO_ERROR_SIZE];
+        Fovea__Message *message;
+        enum pro_result result = pro_receive(snapshot->client, 50, &message, error);
+        uint64_t now_ns = dmn_now_ns();
+
+        /* What came before a daemon ended is still worth keeping, if it is whole. */
+        if (result == PRO_BROKEN) return whole_ns ? true : ctl_fail("%s", error);
+        if (result == PRO_MESSAGE && message->body_case == FOVEA__MESSAGE__BODY_TILE) {
+            heard_ns = now_ns;
+            snapshot->tiles++;
+        }
+        if (result == PRO_MESSAGE && message->body_case == FOVEA__MESSAGE__BODY_GAZE) {
+            memcpy(snapshot->gaze, message->gaze->direction, sizeof(snapshot->gaze));
+            snapshot->has_gaze = true;
+        }
+        if (result == PRO_MESSAGE) fovea__message__free_unpacked(message, NULL);
+        if (!whole_ns && now_ns - looked_ns >= LOOK_NS) {
+            snapshot->coverage = pro_picture_coverage(pro_picture(snapshot->client));
+            looked_ns = now_ns;
+            if (snapshot->coverage >= 1) whole_ns = now_ns;
+        }
+        if (whole_ns && (double)(now_ns - whole_ns) * 1e-9 >= snapshot->ctl->settle) return true;
+        if (!whole_ns && now_ns - heard_ns > SILENCE_NS)
+            return ctl_fail("the daemon has sent only %.0f %% of the picture", snapshot->coverage * 100);
+    }
+}
+
+static bool write_panorama(const struct snapshot *snapshot, const float *rgb)
+{
+    const Fovea__Welcome *film = pro_welcome(snapshot->client);
+    char error[RND_ERROR_SIZE];
+
+    return rnd_image_write(snapshot->ctl->operand[0], (int)film->width, (int)film->height, rgb, true,
+                           error) ||
+           ctl_fail("%s", error);
+}
+
+static bool write_view(const struct snapshot *snapshot, const float *rgb, const double view[3])
+{
+    const Fovea__Welcome *film = pro_welcome(snapshot->client);
+    const struct ctl *ctl = snapshot->ctl;
+    float *pixels = malloc((size_t)ctl->width * (size_t)ctl->height * 3 * sizeof(*pixels));
+    float direction[3], orientation[4];
+    char error[RND_ERROR_SIZE];
+    bool good;
+
+    rnd_direction((float)(view[0] * M_PI / 180), (float)(view[1] * M_PI / 180), direction);
+    dmn_orientation(direction, orientation);
+    good = (pixels && rnd_image_view(rgb, (int)film->width, (int)film->height, orientation,
+                                     (float)(view[2] * M_PI / 180), ctl->width, ctl->height, pixels)) ||
+           ctl_fail("out of memory");
+    good = good && (rnd_image_write(ctl->operand[0], ctl->width, ctl->height, pixels, false, error) ||
+                    ctl_fail("%s", error));
+    free(pixels);
+    return good;
+}
+
+static void tell(const struct snapshot *snapshot, const double view[3])
+{
+    const Fovea__Welcome *film = pro_welcome(snapshot->client);
+    const struct ctl *ctl = snapshot->ctl;
+    bool is_view = ctl->given & CTL_VIEW;
+    int width = is_view ? ctl->width : (int)film->width, height = is_view ? ctl->height : (int)film->height;
+    json_t *object;
+
+    if (!ctl->json) {
+        printf("%s: %dx%d, ", ctl->operand[0], width, height);
+        if (is_view)
+            printf("%.1f degrees right and %.1f up, %.4g wide\n", view[0], view[1], view[2]);
+        else
+            printf("panorama\n");
+        return;
+    }
+    object = json_pack("{s:s, s:[i,i], s:I}", "file", ctl->operand[0], "size", width, height, "tiles",
+                       (json_int_t)snapshot->tiles);
+    if (is_view) json_object_set_new(object, "view_deg", json_pack("[f,f,f]", view[0], view[1], view[2]));
+    if (object) json_dumpf(object, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+    if (object) putchar('\n');
+    json_decref(object);
+}
+
+static bool make(struct snapshot *snapshot)
+{
+    const struct ctl *ctl = snapshot->ctl;
+    const Fovea__Welcome *film = pro_welcome(snapshot->client);
+    double view[3] = {ctl->view[0], ctl->view[1], ctl->view[2]};
+    float *rgb;
+    bool good;
+
+    if (!gather(snapshot)) return false;
+    if (ctl->view_gaze && !snapshot->has_gaze) return ctl_fail("there is no gaze to look along");
+    if (ctl->view_gaze) dmn_angles(snapshot->gaze, &view[0], &view[1]);
+    rgb = malloc((size_t)film->width * film->height * 3 * sizeof(*rgb));
+    if (!rgb) return ctl_fail("out of memory");
+    pro_picture_resolve(pro_picture(snapshot->client), rgb);
+    good = ctl->given & CTL_VIEW ? write_view(snapshot, rgb, view) : write_panorama(snapshot, rgb);
+    if (good) tell(snapshot, view);
+    free(rgb);
+    return good;
+}
+
+int ctl_snapshot(const struct ctl *ctl)
+{
+    struct snapshot snapshot = {.ctl = ctl};
+    bool good;
+
+    if (!is_image(ctl->operand[0])) return 2;
+    snapshot.client = ctl_connect(ctl, FOVEA__ENCODING__ENCODING_HALF_ZSTD, ctl->view_gaze, false);
+    if (!snapshot.client) return 1;
+    good = make(&snapshot);
+    pro_disconnect(snapshot.client);
+    return good ? 0 : 1;
+}

@@ -1,0 +1,53 @@
+/* foveactl stats: the daemon's figures, once. */
+#include <stdio.h>
+
+#include <jansson.h>
+
+#include "ctl.h"
+
+static void print_table(const Fovea__Welcome *welcome, const Fovea__Stats *s)
+{
+    printf("daemon    %s\nscene     %s\ngaze      %s\n", welcome->server, welcome->scene,
+           welcome->gaze_source);
+    printf("          %llu samples, %llu valid%s%s\n", (unsigned long long)s->gaze_samples,
+           (unsigned long long)s->gaze_valid, s->frozen ? ", frozen" : "", s->finished ? ", finished" : "");
+    printf("film      %ux%u, mode %s\n", welcome->width, welcome->height, welcome->distribution);
+    printf("paths     %llu, %.3f M/s, %llu rays, %llu not finite\n", (unsigned long long)s->samples,
+           s->samples_per_second * 1e-6, (unsigned long long)s->rays, (unsigned long long)s->not_finite);
+    printf("tiles     %u: %u visited, %u converged, %u settled\n", s->tiles, s->tiles_visited,
+           s->tiles_converged, s->tiles_settled);
+    printf("batch     %.2f ms, %.2f ms after its gaze arrived (medians)\n", s->batch_ms, s->gaze_to_batch_ms);
+    printf("clients   %u\n", s->clients);
+}
+
+static void print_json(const Fovea__Welcome *welcome, const Fovea__Stats *s)
+{
+    json_t *object = json_pack(
+        "{s:s, s:s, s:s, s:s, s:[I,I], s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:b, s:b, s:f, s:f, "
+        "s:I}",
+        "daemon", welcome->server, "scene", welcome->scene, "gaze", welcome->gaze_source, "mode",
+        welcome->distribution, "size", (json_int_t)welcome->width, (json_int_t)welcome->height, "paths",
+        (json_int_t)s->samples, "paths_per_second", s->samples_per_second, "rays", (json_int_t)s->rays,
+        "not_finite", (json_int_t)s->not_finite, "tiles", (json_int_t)s->tiles, "tiles_visited",
+        (json_int_t)s->tiles_visited, "tiles_converged", (json_int_t)s->tiles_converged, "tiles_settled",
+        (json_int_t)s->tiles_settled, "gaze_samples", (json_int_t)s->gaze_samples, "gaze_valid",
+        (json_int_t)s->gaze_valid, "frozen", s->frozen, "finished", s->finished, "batch_ms", s->batch_ms,
+        "gaze_to_batch_ms", s->gaze_to_batch_ms, "clients", (json_int_t)s->clients);
+
+    if (object) json_dumpf(object, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+    if (object) putchar('\n');
+    json_decref(object);
+}
+
+int ctl_stats(const struct ctl *ctl)
+{
+    struct pro_client *client = ctl_connect(ctl, FOVEA__ENCODING__ENCODING_NONE, false, true);
+    Fovea__Message *message = client ? ctl_await(client, FOVEA__MESSAGE__BODY_STATS, 5) : NULL;
+
+    if (message) {
+        (ctl->json ? print_json : print_table)(pro_welcome(client), message->stats);
+        fovea__message__free_unpacked(message, NULL);
+    }
+    pro_disconnect(client);
+    return message ? 0 : 1;
+}

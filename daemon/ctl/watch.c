@@ -1,0 +1,260 @@
+/* foveactl watch: how the picture grows, where the eye looks and how long things take, live. */
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <jansson.h>
+
+#include "ctl.h"
+
+/* Between two drawings: on a terminal, and as plain lines. */
+static const uint64_t REDRAW_NS = 200000000, LINE_NS = 1000000000;
+
+/* Stages on the way from a gaze sample to the client's screen. */
+enum { TO_BATCH, TO_ENCODED, TO_RECEIVED, IN_ALL, STAGES };
+
+static const char *const STAGE[STAGES] = {"gaze to batch", "batch to encoded", "encoded to received",
+                                          "in all"};
+static const char *const STAGE_KEY[STAGES] = {"gaze_to_batch", "batch_to_encoded", "encoded_to_received",
+                                              "gaze_to_received"};
+
+struct watch {
+    const struct ctl *ctl;
+    struct pro_client *client;
+    bool terminal;
+    int lines; /* drawn last time, to be drawn over */
+    uint64_t began_ns, drawn_ns;
+
+    Fovea__Stats stats; /* the newest; its numbers alone */
+    bool has_stats, has_gaze, valid, frozen;
+    float direction[3];
+
+    uint64_t tiles, bytes;             /* in all */
+    uint64_t drawn_tiles, drawn_bytes; /* at the last drawing */
+    double tile_rate, byte_rate;
+    uint64_t sequence; /* newest gaze that a tile has answered */
+    struct dmn_histogram stage[STAGES];
+};
+
+static volatile sig_atomic_t interrupted;
+
+static void on_interrupt(int number)
+{
+    interrupted = number;
+}
+
+/* The first tile that answers a gaze sample tells how long the answer took; later ones would tell how long
+ * the eye has rested. */
+static void take_latency(struct watch *watch, const Fovea__Tile *tile)
+{
+    uint64_t round_trip_ns, received_ns = dmn_now_ns();
+    int64_t offset_ns;
+    double times[STAGES];
+
+    if (!tile->gaze_ns || tile->gaze_sequence <= watch->sequence) return;
+    if (!pro_clock(watch->client, &round_trip_ns, &offset_ns)) return;
+    watch->sequence = tile->gaze_sequence;
+    received_ns += (uint64_t)offset_ns; /* by the daemon's clock */
+    times[TO_BATCH] = (double)(int64_t)(tile->aimed_ns - tile->gaze_ns);
+    times[TO_ENCODED] = (double)(int64_t)(tile->encoded_ns - tile->aimed_ns);
+    times[TO_RECEIVED] = (double)(int64_t)(received_ns - tile->encoded_ns);
+    times[IN_ALL] = (double)(int64_t)(received_ns - tile->gaze_ns);
+    for (int i = 0; i < STAGES; i++) dmn_histogram_add(&watch->stage[i], times[i] * 1e-9);
+}
+
+static void take(struct watch *watch, const Fovea__Message *message)
+{
+    switch (message->body_case) {
+    case FOVEA__MESSAGE__BODY_TILE:
+        watch->tiles++;
+        watch->bytes += message->tile->data.len;
+        take_latency(watch, message->tile);
+        break;
+    case FOVEA__MESSAGE__BODY_GAZE:
+        watch->has_gaze = true;
+        watch->valid = message->gaze->valid;
+        watch->frozen = message->gaze->frozen;
+        memcpy(watch->direction, message->gaze->direction, sizeof(watch->direction));
+        break;
+    case FOVEA__MESSAGE__BODY_STATS:
+        watch->stats = *message->stats;
+        watch->has_stats = true;
+        break;
+    default:
+        break;
+    }
+}
+
+static void name_gaze(const struct watch *watch, char *out, size_t size)
+{
+    double yaw, pitch;
+
+    dmn_angles(watch->direction, &yaw, &pitch);
+    if (!watch->has_gaze)
+        snprintf(out, size, "none yet");
+    else
+        snprintf(out, size, "%+6.1f right %+5.1f up%s%s%s", yaw, pitch, watch->valid ? "" : ", lost",
+                 watch->stats.frozen ? ", frozen" : "", watch->stats.finished ? ", finished" : "");
+}
+
+static void draw_line(const struct watch *watch)
+{
+    const Fovea__Stats *s = &watch->stats;
+    char gaze[80];
+
+    name_gaze(watch, gaze, sizeof(gaze));
+    printf(
+        "%5.1f s  %.2f Mpaths/s  tiles %u visited %u converged %u settled  gaze %s  %.0f tiles/s %.2f MB/s  "
+        "latency p50 %.1f p99 %.1f ms\n",
+        (double)(watch->drawn_ns - watch->began_ns) * 1e-9, s->samples_per_second * 1e-6, s->tiles_visited,
+        s->tiles_converged, s->tiles_settled, gaze, watch->tile_rate, watch->byte_rate * 1e-6,
+        dmn_histogram_quantile(&watch->stage[IN_ALL], 0.5) * 1e3,
+        dmn_histogram_quantile(&watch->stage[IN_ALL], 0.99) * 1e3);
+    fflush(stdout);
+}
+
+static void draw_table(struct watch *watch)
+{
+    const Fovea__Stats *s = &watch->stats;
+    const char *end = watch->terminal ? "\033[K\n" : "\n";
+    uint64_t round_trip_ns = 0;
+    int64_t offset_ns;
+    char gaze[80];
+
+    name_gaze(watch, gaze, sizeof(gaze));
+    pro_clock(watch->client, &round_trip_ns, &offset_ns);
+    if (watch->lines) printf("\033[%dA", watch->lines);
+    printf("time      %.1f s%s", (double)(watch->drawn_ns - watch->began_ns) * 1e-9, end);
+    printf("paths     %.4g M, %.2f M/s, %.4g M rays%s", (double)s->samples * 1e-6,
+           s->samples_per_second * 1e-6, (double)s->rays * 1e-6, end);
+    printf("tiles     %u: %u visited, %u converged, %u settled%s", s->tiles, s->tiles_visited,
+           s->tiles_converged, s->tiles_settled, end);
+    printf("gaze      %s; %llu samples, %llu valid%s", gaze, (unsigned long long)s->gaze_samples,
+           (unsigned long long)s->gaze_valid, end);
+    printf("stream    %llu tiles, %.0f/s, %.2f MB/s; %.0f %% of the sphere%s",
+           (unsigned long long)watch->tiles, watch->tile_rate, watch->byte_rate * 1e-6,
+           pro_picture_coverage(pro_picture(watch->client)) * 100, end);
+    printf("batch     %.2f ms; round trip %.2f ms%s", s->batch_ms, (double)round_trip_ns * 1e-6, end);
+    printf("latency   %-20s%8s%8s%8s%s", "ms", "p50", "p95", "p99", end);
+    for (int i = 0; i < STAGES; i++)
+        printf("          %-20s%8.2f%8.2f%8.2f%s", STAGE[i],
+               dmn_histogram_quantile(&watch->stage[i], 0.5) * 1e3,
+               dmn_histogram_quantile(&watch->stage[i], 0.95) * 1e3,
+               dmn_histogram_quantile(&watch->stage[i], 0.99) * 1e3, end);
+    fflush(stdout);
+    watch->lines = watch->terminal ? 7 + STAGES : 0;
+}
+
+static void draw(struct watch *watch)
+{
+    uint64_t now_ns = dmn_now_ns(), passed_ns = now_ns - watch->drawn_ns;
+
+    if (passed_ns < (watch->terminal ? REDRAW_NS : LINE_NS) || !watch->has_stats) return;
+    /* The rates are those of the time since the last drawing, eased. */
+    watch->tile_rate = (double)(watch->tiles - watch->drawn_tiles) / ((double)passed_ns * 1e-9);
+    watch->byte_rate = (double)(watch->bytes - watch->drawn_bytes) / ((double)passed_ns * 1e-9);
+    watch->drawn_ns = now_ns;
+    watch->drawn_tiles = watch->tiles;
+    watch->drawn_bytes = watch->bytes;
+    if (watch->ctl->json) return;
+    if (watch->terminal)
+        draw_table(watch);
+    else
+        draw_line(watch);
+}
+
+static json_t *latency_json(const struct watch *watch)
+{
+    json_t *all = json_object();
+
+    for (int i = 0; i < STAGES; i++)
+        json_object_set_new(all, STAGE_KEY[i],
+                            json_pack("{s:I, s:f, s:f, s:f}", "count", (json_int_t)watch->stage[i].count,
+                                      "p50_ms", dmn_histogram_quantile(&watch->stage[i], 0.5) * 1e3, "p95_ms",
+                                      dmn_histogram_quantile(&watch->stage[i], 0.95) * 1e3, "p99_ms",
+                                      dmn_histogram_quantile(&watch->stage[i], 0.99) * 1e3));
+    return all;
+}
+
+static void print_json(const struct watch *watch, double seconds)
+{
+    const Fovea__Stats *s = &watch->stats;
+    const Fovea__Welcome *welcome = pro_welcome(watch->client);
+    uint64_t round_trip_ns = 0;
+    int64_t offset_ns;
+    double yaw, pitch;
+    json_t *object;
+
+    dmn_angles(watch->direction, &yaw, &pitch);
+    pro_clock(watch->client, &round_trip_ns, &offset_ns);
+    object = json_pack("{s:f, s:s, s:s, s:s, s:[I,I], s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:b, "
+                       "s:b, s:[f,f], s:I, s:I, "
+                       "s:f, s:f, s:f, s:o}",
+                       "seconds", seconds, "scene", welcome->scene, "gaze", welcome->gaze_source, "mode",
+                       welcome->distribution, "size", (json_int_t)welcome->width, (json_int_t)welcome->height,
+                       "paths", (json_int_t)s->samples, "paths_per_second", s->samples_per_second, "rays",
+                       (json_int_t)s->rays, "not_finite", (json_int_t)s->not_finite, "tiles",
+                       (json_int_t)s->tiles, "tiles_visited", (json_int_t)s->tiles_visited, "tiles_converged",
+                       (json_int_t)s->tiles_converged, "tiles_settled", (json_int_t)s->tiles_settled,
+                       "gaze_samples", (json_int_t)s->gaze_samples, "gaze_valid", (json_int_t)s->gaze_valid,
+                       "frozen", s->frozen, "finished", s->finished, "gaze_deg", yaw, pitch, "tiles_received",
+                       (json_int_t)watch->tiles, "bytes_received", (json_int_t)watch->bytes, "batch_ms",
+                       s->batch_ms, "round_trip_ms", (double)round_trip_ns * 1e-6, "coverage",
+                       pro_picture_coverage(pro_picture(watch->client)), "latency", latency_json(watch));
+    if (object) json_dumpf(object, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+    if (object) putchar('\n');
+    json_decref(object);
+}
+
+/* Until the time is up, the recording has ended, the daemon has gone, or Ctrl-C. */
+static void follow(struct watch *watch)
+{
+    const struct ctl *ctl = watch->ctl;
+    char error[PRO_ERROR_SIZE];
+
+    while (!interrupted) {
+        Fovea__Message *message;
+        enum pro_result result = pro_receive(watch->client, 50, &message, error);
+
+        if (result == PRO_BROKEN) return;
+        if (result == PRO_MESSAGE) {
+            take(watch, message);
+            fovea__message__free_unpacked(message, NULL);
+        }
+        if (ctl->given & CTL_FOR && (double)(dmn_now_ns() - watch->began_ns) * 1e-9 >= ctl->seconds) return;
+        if (ctl->until_finished && watch->stats.finished) return;
+        draw(watch);
+    }
+}
+
+int ctl_watch(const struct ctl *ctl)
+{
+    struct sigaction action = {.sa_handler = on_interrupt};
+    struct watch *watch = calloc(1, sizeof(*watch));
+
+    if (!watch) return ctl_fail("out of memory"), 1;
+    watch->ctl = ctl;
+    watch->terminal = isatty(STDOUT_FILENO) && !ctl->json;
+    /* What is watched is shown, not measured: the small encoding does. */
+    watch->client = ctl_connect(ctl, FOVEA__ENCODING__ENCODING_JPEG, true, true);
+    if (!watch->client) {
+        free(watch);
+        return 1;
+    }
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+    watch->began_ns = watch->drawn_ns = dmn_now_ns();
+    if (!ctl->json) printf("%s\n", pro_welcome(watch->client)->scene);
+    follow(watch);
+    watch->drawn_ns = dmn_now_ns();
+    if (ctl->json)
+        print_json(watch, (double)(watch->drawn_ns - watch->began_ns) * 1e-9);
+    else
+        draw_table(watch);
+    pro_disconnect(watch->client);
+    free(watch);
+    return 0;
+}

@@ -1,0 +1,254 @@
+/* fovead: the daemon. It loads, opens what clients connect to, starts the threads, serves, and takes all down
+ * again. */
+#include <errno.h>
+#include <libgen.h>
+#include <sched.h>
+#include <signal.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "loop.h"
+#include "report.h"
+
+/* Batches of 5 ms follow the eye; without gaze or client longer ones cost less. */
+static const double STEERED_SECONDS = 0.005, UNSTEERED_SECONDS = 0.05;
+
+/* What a signal handler can reach. */
+static int signal_fd = -1;
+static volatile sig_atomic_t signalled, serving;
+
+/* The first signal ends the daemon in order; the second, or one before there is anything to put in order, at
+ * once. */
+static void on_signal(int number)
+{
+    const uint64_t one = 1;
+
+    if (signalled || !serving || write(signal_fd, &one, sizeof(one)) < 0) _exit(128 + number);
+    signalled = number;
+}
+
+struct daemon {
+    struct dmn_options options;
+    struct rnd_scene *scene;
+    struct dmn_common common;
+    char scene_line[1024];
+    struct dmn_listener listener[DMN_MAX_LISTEN];
+    int listeners;
+    struct dmn_loop *loop;
+    struct dmn_bar bar;
+    FILE *out; /* for people: stdout, unless a JSON object goes there */
+};
+
+static bool fail(const char *error)
+{
+    fprintf(stderr, "fovead: %s\n", error);
+    return false;
+}
+
+static bool handle_signals(void)
+{
+    struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
+
+    signal(SIGPIPE, SIG_IGN);
+    signal_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    return signal_fd >= 0 && !sigaction(SIGINT, &action, NULL) && !sigaction(SIGTERM, &action, NULL);
+}
+
+/* Better now than after a night of rendering. */
+static bool can_save(const char *path)
+{
+    char copy[4096], error[4096 + 64];
+
+    if (!path) return true;
+    snprintf(copy, sizeof(copy), "%s", path);
+    if (!access(dirname(copy), W_OK)) return true;
+    snprintf(error, sizeof(error), "%s: cannot be written: %s", path, strerror(errno));
+    return fail(error);
+}
+
+static bool load(struct daemon *daemon)
+{
+    struct dmn_options *options = &daemon->options;
+    struct dmn_common *common = &daemon->common;
+    char error[RND_ERROR_SIZE];
+    cpu_set_t processors;
+
+    if (!options->render.threads)
+        options->render.threads =
+            sched_getaffinity(0, sizeof(processors), &processors) ? 1 : CPU_COUNT(&processors);
+    if (!can_save(options->save)) return false;
+    common->options = options;
+    common->gaze = dmn_gaze_open(options, error);
+    if (!common->gaze) return fail(error);
+    daemon->scene = rnd_scene_load(&options->scene, error);
+    if (!daemon->scene) return fail(error);
+    common->render = rnd_render_create(daemon->scene, &options->render, error);
+    if (!common->render) return fail(error);
+    dmn_report_scene(rnd_scene_info(daemon->scene), options->scene.path, daemon->scene_line,
+                     sizeof(daemon->scene_line));
+    common->scene_line = daemon->scene_line;
+    if (!dmn_pyramid_init(&common->pyramid, options->render.width, options->render.height,
+                          rnd_render_levels(common->render)))
+        return fail("out of memory");
+    return true;
+}
+
+static bool open_sockets(struct daemon *daemon)
+{
+    const char *token = getenv("FOVEAD_TOKEN");
+    char error[PRO_ERROR_SIZE];
+
+    if (token && !*token) token = NULL;
+    for (; daemon->listeners < daemon->options.listens; daemon->listeners++) {
+        int i = daemon->listeners;
+
+        if (!dmn_listener_init(&daemon->listener[i], &daemon->options.listen[i], token, error))
+            return fail(error);
+    }
+    return true;
+}
+
+static void print_start(const struct daemon *daemon)
+{
+    const struct rnd_scene_info *info = rnd_scene_info(daemon->scene);
+    const struct dmn_options *options = &daemon->options;
+    struct dmn_gaze_state gaze;
+    char address[PRO_ERROR_SIZE];
+
+    dmn_gaze_state(daemon->common.gaze, &gaze);
+    if (*info->unsupported)
+        fprintf(stderr, "fovead: %s asks for what is left out here: %s\n", options->scene.path,
+                info->unsupported);
+    fprintf(daemon->out, "scene    %s\n", daemon->scene_line);
+    fprintf(daemon->out, "eye      %.4g,%.4g,%.4g m\n", info->eye[0], info->eye[1], info->eye[2]);
+    fprintf(daemon->out, "gaze     %s\n", gaze.source);
+    fprintf(daemon->out, "film     %dx%d, mode %s, %d threads\n", options->render.width,
+            options->render.height, options->render.distribution->name, options->render.threads);
+    for (int i = 0; i < daemon->listeners; i++) {
+        pro_address_print(&daemon->listener[i].address, address, sizeof(address));
+        fprintf(daemon->out, "listens  %s\n", address);
+    }
+    fprintf(daemon->out, "fovead: ready\n");
+    fflush(daemon->out);
+}
+
+/* Tell a service manager, if there is one (sd_notify(3)). */
+static void notify(const char *state)
+{
+    const char *path = getenv("NOTIFY_SOCKET");
+    struct sockaddr_un name = {.sun_family = AF_UNIX};
+    int fd;
+
+    if (!path || (*path != '/' && *path != '@') || strlen(path) >= sizeof(name.sun_path)) return;
+    memcpy(name.sun_path, path, strlen(path));
+    if (*path == '@') name.sun_path[0] = '\0';
+    if ((fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) < 0) return;
+    sendto(fd, state, strlen(state), MSG_NOSIGNAL, (struct sockaddr *)&name,
+           (socklen_t)(offsetof(struct sockaddr_un, sun_path) + strlen(path)));
+    close(fd);
+}
+
+static void on_tick(void *argument)
+{
+    struct daemon *daemon = argument;
+    struct dmn_work work;
+
+    dmn_painter_work(daemon->common.painter, &work);
+    dmn_report_progress(&daemon->bar, &daemon->options, &work);
+}
+
+static bool start(struct daemon *daemon)
+{
+    struct dmn_common *common = &daemon->common;
+    const struct dmn_level *level = &common->pyramid.level[0];
+    struct dmn_loop_options loop = {common, signal_fd, daemon->listener, daemon->listeners, on_tick, daemon};
+    struct dmn_painter_options painter = {
+        .render = common->render,
+        .gaze = common->gaze,
+        .pixels = (uint64_t)daemon->options.render.width * (uint64_t)daemon->options.render.height,
+        .tiles = (uint32_t)(level->columns * level->rows),
+        .until = daemon->options.until,
+        .virtual_clock = daemon->options.virtual_clock,
+        .batch_seconds = daemon->options.gaze || daemon->listeners ? STEERED_SECONDS : UNSTEERED_SECONDS,
+        .wake = dmn_loop_wake,
+    };
+    char error[PRO_ERROR_SIZE];
+
+    daemon->loop = dmn_loop_create(&loop, error);
+    if (!daemon->loop) return fail(error);
+    painter.context = daemon->loop;
+    common->saver = dmn_saver_start(common->render, dmn_loop_wake, daemon->loop);
+    if (!common->saver) return fail("no thread can be made");
+    serving = 1;
+    if (!daemon->options.virtual_clock && !dmn_gaze_start(common->gaze, dmn_loop_wake, daemon->loop))
+        return fail("no thread can be made");
+    common->painter = dmn_painter_start(&painter);
+    if (!common->painter) return fail("no thread can be made");
+    return true;
+}
+
+/* Stop every thread and part from every client; the film is then complete and still. */
+static void stop(struct daemon *daemon, struct dmn_work *out_work)
+{
+    struct dmn_common *common = &daemon->common;
+
+    notify("STOPPING=1");
+    if (common->painter) {
+        dmn_painter_stop(common->painter);
+        dmn_painter_work(common->painter, out_work);
+        dmn_loop_look(daemon->loop);
+    }
+    if (common->gaze) dmn_gaze_stop(common->gaze);
+    dmn_saver_destroy(common->saver);
+    dmn_loop_destroy(daemon->loop);
+    while (daemon->listeners > 0) dmn_listener_finish(&daemon->listener[--daemon->listeners]);
+    dmn_report_progress_end(&daemon->bar);
+}
+
+static bool finish(struct daemon *daemon, const struct dmn_work *work)
+{
+    const char *save = daemon->options.save;
+    char error[RND_ERROR_SIZE];
+    bool saved = save && rnd_render_save(daemon->common.render, save, error);
+
+    dmn_report_summary(&daemon->common, work, saved);
+    return !save || saved || fail(error);
+}
+
+int main(int argc, char **argv)
+{
+    struct daemon daemon = {0};
+    struct dmn_work work = {0};
+    bool good;
+
+    switch (dmn_options_parse(argc, argv, &daemon.options)) {
+    case DMN_ANSWERED:
+        return 0;
+    case DMN_REFUSED:
+        return 2;
+    case DMN_RUN:
+        break;
+    }
+    daemon.out = daemon.options.json ? stderr : stdout;
+    good = (handle_signals() || fail("cannot handle signals")) && load(&daemon) && open_sockets(&daemon) &&
+           start(&daemon);
+    if (good) {
+        print_start(&daemon);
+        notify("READY=1");
+        dmn_loop_run(daemon.loop);
+    }
+    stop(&daemon, &work);
+    if (good) good = finish(&daemon, &work);
+    dmn_painter_destroy(daemon.common.painter);
+    dmn_gaze_close(daemon.common.gaze);
+    dmn_pyramid_finish(&daemon.common.pyramid);
+    rnd_render_destroy(daemon.common.render);
+    rnd_scene_destroy(daemon.scene);
+    return good ? 0 : 1;
+}

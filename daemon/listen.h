@@ -1,0 +1,29 @@
+/* listen: sockets that clients connect to, and what may be opened at all. */
+#ifndef FOVEAD_DAEMON_LISTEN_H
+#define FOVEAD_DAEMON_LISTEN_H
+
+#include <sys/types.h>
+
+#include "protocol.h"
+
+struct dmn_listener {
+    struct pro_address address; /* of a TCP socket with port 0: the port that it got */
+    int fd;                     /* non-blocking */
+    const char *token;          /* clients must know it; NULL if none is needed */
+    dev_t device;               /* of a Unix socket, so that only our own is removed */
+    ino_t inode;
+};
+
+/* Open a socket and listen. A Unix socket is this user's alone; one that a dead daemon left behind is
+ * replaced, one that answers and anything that is not a socket is refused. An address that other machines
+ * reach needs a token. False with a line in out_error that names the address. The caller ends it with
+ * dmn_listener_finish(). */
+bool dmn_listener_init(struct dmn_listener *listener, const struct pro_address *address, const char *token,
+                       char out_error[PRO_ERROR_SIZE]);
+/* Close, and remove a Unix socket from its folder. */
+void dmn_listener_finish(struct dmn_listener *listener);
+
+/* The next client: a non-blocking socket, and in out_peer who it is; -1 if no more are waiting. */
+int dmn_listener_accept(struct dmn_listener *listener, char *out_peer, size_t size);
+
+#endif

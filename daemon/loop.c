@@ -1,0 +1,367 @@
+/* Sockets, timers and sessions on one thread. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <libwebsockets.h>
+
+#include "loop.h"
+
+enum {
+    MOST_CLIENTS = 64,
+    MOST_FDS = MOST_CLIENTS + DMN_MAX_LISTEN + 16, /* and what libwebsockets needs itself */
+    BURST = 8,                                     /* frames to one client before others have their turn */
+};
+
+/* How often the states of all tiles are looked at: not more often than this, and not for more than a tenth of
+ * the loop's time, which matters for the largest films. */
+static const uint64_t LOOK_NS = 3000000;
+enum { LOOK_SHARE = 10 };
+
+static const lws_usec_t TICK_US = 250000;
+
+/* A connected client. */
+struct peer {
+    struct peer *next;
+    struct lws *wsi;
+    struct dmn_session *session;
+};
+
+struct dmn_loop {
+    struct dmn_loop_options options;
+    struct dmn_common *common;
+    struct lws_context *context;
+    struct lws_vhost *vhost;
+    struct peer *peers;
+    unsigned numbers; /* given to clients so far */
+    lws_sorted_usec_list_t tick, look;
+    bool look_waits;
+    uint64_t looked_ns, look_cost_ns, painted; /* batches painted at the last look */
+    struct rnd_tile *tiles;
+    bool *settled;
+    bool stop;
+};
+
+/* --- the state of the picture
+ * -------------------------------------------------------------------------------- */
+
+static void ask_to_write(struct dmn_loop *loop)
+{
+    for (struct peer *peer = loop->peers; peer; peer = peer->next)
+        if (dmn_session_wants(peer->session)) lws_callback_on_writable(peer->wsi);
+}
+
+static void look(struct dmn_loop *loop)
+{
+    struct dmn_common *common = loop->common;
+    const struct dmn_level *level = &common->pyramid.level[0];
+    size_t count = (size_t)level->columns * level->rows;
+    struct rnd_aim aim;
+
+    loop->looked_ns = dmn_now_ns();
+    dmn_gaze_aim(common->gaze, &aim);
+    memcpy(common->direction, aim.gaze, sizeof(common->direction));
+    rnd_render_tiles(common->render, loop->tiles);
+    common->visited = common->converged = common->settled = 0;
+    for (size_t i = 0; i < count; i++) {
+        const struct rnd_tile *tile = &loop->tiles[i];
+
+        loop->settled[i] = rnd_tile_settled(common->render, tile, (int)(i % (size_t)level->columns),
+                                            (int)(i / (size_t)level->columns), aim.gaze);
+        common->visited += tile->samples > DMN_OUTLINE_PATHS;
+        common->converged += tile->converged;
+        common->settled += loop->settled[i];
+    }
+    dmn_pyramid_update(&common->pyramid, loop->tiles, loop->settled);
+    common->version++;
+    loop->look_cost_ns = dmn_now_ns() - loop->looked_ns;
+}
+
+static void on_look(lws_sorted_usec_list_t *sul)
+{
+    struct dmn_loop *loop = lws_container_of(sul, struct dmn_loop, look);
+
+    loop->look_waits = false;
+    look(loop);
+    ask_to_write(loop);
+}
+
+/* Look now if the last time is long enough ago, else as soon as it is. */
+static void look_soon(struct dmn_loop *loop)
+{
+    uint64_t pause_ns = LOOK_SHARE * loop->look_cost_ns, passed_ns = dmn_now_ns() - loop->looked_ns;
+
+    if (pause_ns < LOOK_NS) pause_ns = LOOK_NS;
+    if (loop->look_waits) return;
+    if (passed_ns >= pause_ns) {
+        look(loop);
+        return;
+    }
+    loop->look_waits = true;
+    lws_sul_schedule(loop->context, 0, &loop->look, on_look, (lws_usec_t)((pause_ns - passed_ns) / 1000 + 1));
+}
+
+static void drop(struct peer *peer, const char *why)
+{
+    size_t count;
+    uint8_t *frame;
+
+    fprintf(stderr, "fovead: client %u (%s) dropped: %s\n", dmn_session_number(peer->session),
+            dmn_session_peer(peer->session), why);
+    if (lws_send_pipe_choked(peer->wsi) || !(frame = dmn_session_farewell(peer->session, why, &count)))
+        return;
+    lws_write(peer->wsi, frame + LWS_PRE, count, LWS_WRITE_RAW);
+    free(frame);
+}
+
+static void on_tick(lws_sorted_usec_list_t *sul)
+{
+    struct dmn_loop *loop = lws_container_of(sul, struct dmn_loop, tick);
+    char error[PRO_ERROR_SIZE];
+
+    look_soon(loop);
+    for (struct peer *peer = loop->peers; peer; peer = peer->next) {
+        dmn_session_stats(peer->session);
+        if (dmn_session_check(peer->session, error)) continue;
+        drop(peer, error);
+        lws_set_timeout(peer->wsi, PENDING_TIMEOUT_KILLED_BY_PARENT, LWS_TO_KILL_ASYNC);
+    }
+    ask_to_write(loop);
+    if (loop->options.tick) loop->options.tick(loop->options.context);
+    lws_sul_schedule(loop->context, 0, &loop->tick, on_tick, TICK_US);
+}
+
+/* Another thread has done something. */
+static void on_wake(struct dmn_loop *loop)
+{
+    struct dmn_work work;
+    struct dmn_save save;
+
+    while (dmn_saver_take(loop->common->saver, &save))
+        for (struct peer *peer = loop->peers; peer; peer = peer->next)
+            if (dmn_session_number(peer->session) == save.client) dmn_session_saved(peer->session, &save);
+    dmn_painter_work(loop->common->painter, &work);
+    if (work.done) loop->stop = true;
+    if (loop->peers && work.batches != loop->painted) look_soon(loop);
+    loop->painted = work.batches;
+    ask_to_write(loop);
+}
+
+/* --- libwebsockets' callbacks: one protocol a kind of descriptor
+ * ------------------------------------------------ */
+
+static struct dmn_loop *loop_of(struct lws *wsi)
+{
+    return lws_context_user(lws_get_context(wsi));
+}
+
+static void welcome_in(struct dmn_loop *loop, struct dmn_listener *listener, int fd, const char *name)
+{
+    struct peer *peer = calloc(1, sizeof(*peer));
+    struct dmn_session_options options = {loop->common,    loop->numbers + 1,         name,
+                                          listener->token, listener->address.is_unix, LWS_PRE};
+    lws_adopt_desc_t adopt = {
+        .vh = loop->vhost, .type = LWS_ADOPT_SOCKET, .vh_prot_name = "client", .opaque = peer};
+
+    if (!peer || !(peer->session = dmn_session_create(&options))) {
+        free(peer);
+        close(fd);
+        return;
+    }
+    loop->numbers++;
+    adopt.fd.sockfd = fd;
+    /* On failure libwebsockets has closed fd, and may or may not have told on_client. */
+    peer->wsi = lws_adopt_descriptor_vhost_via_info(&adopt);
+    if (!peer->wsi) {
+        fprintf(stderr, "fovead: client %u (%s) cannot be served\n", loop->numbers, name);
+        dmn_session_destroy(peer->session);
+        free(peer);
+        return;
+    }
+    peer->next = loop->peers;
+    loop->peers = peer;
+}
+
+static int on_listener(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t size)
+{
+    struct dmn_listener *listener;
+    struct dmn_loop *loop;
+    char name[96];
+    int fd;
+
+    (void)user, (void)in, (void)size;
+    if (reason != LWS_CALLBACK_RAW_RX_FILE) return 0;
+    loop = loop_of(wsi);
+    listener = lws_get_opaque_user_data(wsi);
+    while ((fd = dmn_listener_accept(listener, name, sizeof(name))) >= 0) {
+        if (loop->common->clients < MOST_CLIENTS) {
+            welcome_in(loop, listener, fd, name);
+        } else {
+            fprintf(stderr, "fovead: client (%s) turned away: %d are connected\n", name, MOST_CLIENTS);
+            close(fd);
+        }
+    }
+    return 0;
+}
+
+static int write_some(struct peer *peer)
+{
+    for (int i = 0; i < BURST; i++) {
+        size_t count;
+        uint8_t *frame = dmn_session_frame(peer->session, &count);
+        int written;
+
+        if (!frame) return 0;
+        written = lws_write(peer->wsi, frame + LWS_PRE, count, LWS_WRITE_RAW);
+        free(frame);
+        if (written < (int)count) return -1;
+        /* What did not fit waits in libwebsockets: one frame at most. */
+        if (lws_send_pipe_choked(peer->wsi)) break;
+    }
+    lws_callback_on_writable(peer->wsi);
+    return 0;
+}
+
+static void part(struct dmn_loop *loop, struct peer *peer)
+{
+    struct peer **place = &loop->peers;
+
+    while (*place && *place != peer) place = &(*place)->next;
+    if (!*place) return; /* adoption failed half-way: welcome_in() cleans up */
+    *place = peer->next;
+    dmn_session_destroy(peer->session);
+    free(peer);
+}
+
+static int on_client(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t size)
+{
+    struct peer *peer = wsi ? lws_get_opaque_user_data(wsi) : NULL;
+    char error[PRO_ERROR_SIZE];
+
+    (void)user;
+    switch (reason) {
+    case LWS_CALLBACK_RAW_ADOPT:
+        /* Deadlines are the session's. */
+        lws_set_timeout(wsi, NO_PENDING_TIMEOUT, 0);
+        return 0;
+    case LWS_CALLBACK_RAW_RX:
+        if (!dmn_session_take(peer->session, in, size, error)) {
+            drop(peer, error);
+            return -1;
+        }
+        if (dmn_session_wants(peer->session)) lws_callback_on_writable(wsi);
+        return 0;
+    case LWS_CALLBACK_RAW_WRITEABLE:
+        return write_some(peer);
+    case LWS_CALLBACK_RAW_CLOSE:
+        part(loop_of(wsi), peer);
+        return 0;
+    default:
+        return 0;
+    }
+}
+
+static int on_signal(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t size)
+{
+    (void)user, (void)in, (void)size;
+    if (reason == LWS_CALLBACK_RAW_RX_FILE) loop_of(wsi)->stop = true;
+    if (reason == LWS_CALLBACK_EVENT_WAIT_CANCELLED) on_wake(loop_of(wsi));
+    return 0;
+}
+
+static const struct lws_protocols PROTOCOLS[] = {
+    {.name = "signal", .callback = on_signal},
+    {.name = "listener", .callback = on_listener},
+    {.name = "client", .callback = on_client, .rx_buffer_size = 4096},
+    {0},
+};
+
+/* --- life
+ * ------------------------------------------------------------------------------------------------------ */
+
+static bool adopt_file(struct dmn_loop *loop, int fd, const char *protocol, void *opaque)
+{
+    lws_adopt_desc_t adopt = {
+        .vh = loop->vhost, .type = LWS_ADOPT_RAW_FILE_DESC, .vh_prot_name = protocol, .opaque = opaque};
+
+    adopt.fd.filefd = fd;
+    return lws_adopt_descriptor_vhost_via_info(&adopt);
+}
+
+static bool open_context(struct dmn_loop *loop)
+{
+    struct lws_context_creation_info info = {
+        .port = CONTEXT_PORT_NO_LISTEN,
+        .protocols = PROTOCOLS,
+        .user = loop,
+        .fd_limit_per_thread = MOST_FDS,
+        .options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS,
+        .gid = (gid_t)-1,
+        .uid = (uid_t)-1,
+    };
+    int fd;
+
+    lws_set_log_level(LLL_ERR, NULL);
+    if (!(loop->context = lws_create_context(&info)) ||
+        !(loop->vhost = lws_create_vhost(loop->context, &info)))
+        return false;
+    /* Every descriptor that it adopts it also closes. */
+    if ((fd = dup(loop->options.signal_fd)) < 0 || !adopt_file(loop, fd, "signal", NULL)) return false;
+    for (int i = 0; i < loop->options.listeners; i++) {
+        struct dmn_listener *listener = &loop->options.listener[i];
+
+        if ((fd = dup(listener->fd)) < 0 || !adopt_file(loop, fd, "listener", listener)) return false;
+    }
+    return true;
+}
+
+struct dmn_loop *dmn_loop_create(const struct dmn_loop_options *options, char out_error[PRO_ERROR_SIZE])
+{
+    struct dmn_loop *loop = calloc(1, sizeof(*loop));
+    const struct dmn_level *level = &options->common->pyramid.level[0];
+    size_t count = (size_t)level->columns * level->rows;
+
+    snprintf(out_error, PRO_ERROR_SIZE, "cannot set up the event loop: out of memory or of file descriptors");
+    if (!loop) return NULL;
+    loop->options = *options;
+    loop->common = options->common;
+    loop->tiles = calloc(count, sizeof(*loop->tiles));
+    loop->settled = calloc(count, sizeof(*loop->settled));
+    if (!loop->tiles || !loop->settled || !open_context(loop)) {
+        dmn_loop_destroy(loop);
+        return NULL;
+    }
+    return loop;
+}
+
+void dmn_loop_destroy(struct dmn_loop *loop)
+{
+    if (!loop) return;
+    if (loop->context) {
+        lws_sul_cancel(&loop->tick);
+        lws_sul_cancel(&loop->look);
+        lws_context_destroy(loop->context);
+    }
+    free(loop->tiles);
+    free(loop->settled);
+    free(loop);
+}
+
+void dmn_loop_look(struct dmn_loop *loop)
+{
+    look(loop);
+}
+
+void dmn_loop_wake(void *loop)
+{
+    lws_cancel_service(((struct dmn_loop *)loop)->context);
+}
+
+void dmn_loop_run(struct dmn_loop *loop)
+{
+    lws_sul_schedule(loop->context, 0, &loop->tick, on_tick, TICK_US);
+    while (!loop->stop && lws_service(loop->context, 0) >= 0) continue;
+    lws_sul_cancel(&loop->tick);
+    lws_sul_cancel(&loop->look);
+}

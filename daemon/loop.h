@@ -1,0 +1,32 @@
+/* loop: sockets, timers and sessions on one thread, by libwebsockets, so that HTTP and WebSocket can join
+ * them. */
+#ifndef FOVEAD_DAEMON_LOOP_H
+#define FOVEAD_DAEMON_LOOP_H
+
+#include "listen.h"
+#include "session.h"
+
+struct dmn_loop;
+
+struct dmn_loop_options {
+    struct dmn_common *common;
+    int signal_fd; /* an eventfd: readable when the loop should end; owned by the caller */
+    struct dmn_listener *listener;
+    int listeners;
+    /* Four times a second. */
+    void (*tick)(void *context);
+    void *context;
+};
+
+/* The listeners remain the caller's. NULL with a line in out_error on failure. */
+struct dmn_loop *dmn_loop_create(const struct dmn_loop_options *options, char out_error[PRO_ERROR_SIZE]);
+void dmn_loop_destroy(struct dmn_loop *loop); /* accepts NULL; clients are cut off */
+
+/* Any thread: something has changed that clients may have to be told. */
+void dmn_loop_wake(void *loop);
+/* Bring what common knows of the picture up to date. */
+void dmn_loop_look(struct dmn_loop *loop);
+/* Serve until the painter is done or signal_fd is readable. */
+void dmn_loop_run(struct dmn_loop *loop);
+
+#endif

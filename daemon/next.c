@@ -1,0 +1,234 @@
+/* What a client is sent next. It decides and does nothing: states in, places out.
+ *
+ * Levels form a tree: a tile at level n covers four at level n - 1. One walk over it, children first, finds
+ * for every tile whether finer ones already hide it from the client, or could at once, and gathers the tiles
+ * worth sending in a heap of the best few. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "daemon.h"
+
+/* Levels of at most so many tiles go whole before anything is refined: a picture of 512 x 256 pixels. */
+enum { COARSE_TILES = 32 };
+
+/* How much has to change before a tile is worth sending again: noise falls with the root of the paths, and
+ * the eye does not see less than a fifth of it go; a tile that settled is as good as seen, so its last state
+ * goes sooner. */
+static const double GROWTH = 1.5, SETTLED_GROWTH = 1.1;
+
+/* A tile seen before waits as if it were so much further from the gaze, rad. */
+static const float AGAIN = 0.035f;
+
+/* Ranks: what has no picture, then coarse levels, then by distance, which is below four. */
+static const float RANK_BLACK = -200, RANK_COARSE = -100;
+
+/* A tile at the edge of a level may be filled in part only. */
+static int tiles_of(int pixels, int level)
+{
+    int side = RND_TILE << level;
+
+    return (pixels + side - 1) / side;
+}
+
+bool dmn_pyramid_init(struct dmn_pyramid *pyramid, int width, int height, int levels)
+{
+    *pyramid = (struct dmn_pyramid){.levels = levels};
+    if (levels < 1 || levels > DMN_MAX_LEVELS) return false;
+    for (int i = 0; i < levels; i++) {
+        struct dmn_level *level = &pyramid->level[i];
+
+        level->columns = tiles_of(width, i);
+        level->rows = tiles_of(height, i);
+        level->first = pyramid->count;
+        pyramid->count += (size_t)level->columns * level->rows;
+    }
+    pyramid->state = calloc(pyramid->count, sizeof(*pyramid->state));
+    pyramid->centre = calloc(pyramid->count, sizeof(*pyramid->centre));
+    if (!pyramid->state || !pyramid->centre) {
+        dmn_pyramid_finish(pyramid);
+        return false;
+    }
+    for (int i = 0; i < levels; i++) {
+        const struct dmn_level *level = &pyramid->level[i];
+        float side = (float)(RND_TILE << i);
+
+        for (int y = 0; y < level->rows; y++)
+            for (int x = 0; x < level->columns; x++)
+                rnd_direction(((x + 0.5f) * side / width * 2 - 1) * (float)M_PI,
+                              (0.5f - fminf((y + 0.5f) * side / height, 1)) * (float)M_PI,
+                              pyramid->centre[level->first + (size_t)y * level->columns + x]);
+    }
+    return true;
+}
+
+void dmn_pyramid_finish(struct dmn_pyramid *pyramid)
+{
+    free(pyramid->state);
+    free(pyramid->centre);
+    *pyramid = (struct dmn_pyramid){0};
+}
+
+static size_t index_of(const struct dmn_pyramid *pyramid, int level, int x, int y)
+{
+    return pyramid->level[level].first + (size_t)y * pyramid->level[level].columns + x;
+}
+
+/* One of the four tiles that (x, y) covers one level finer; false where the film ends before it. */
+static bool child_of(const struct dmn_pyramid *pyramid, int level, int *x, int *y, int child)
+{
+    *x = 2 * *x + (child & 1);
+    *y = 2 * *y + (child >> 1);
+    return *x < pyramid->level[level - 1].columns && *y < pyramid->level[level - 1].rows;
+}
+
+void dmn_pyramid_update(struct dmn_pyramid *pyramid, const struct rnd_tile *tiles, const bool *settled)
+{
+    size_t count = (size_t)pyramid->level[0].columns * pyramid->level[0].rows;
+
+    for (size_t i = 0; i < count; i++)
+        pyramid->state[i] = (struct dmn_state){tiles[i].samples, tiles[i].converged, settled[i]};
+    for (int l = 1; l < pyramid->levels; l++) {
+        struct dmn_state *out = &pyramid->state[pyramid->level[l].first];
+
+        for (int y = 0; y < pyramid->level[l].rows; y++)
+            for (int x = 0; x < pyramid->level[l].columns; x++, out++) {
+                *out = (struct dmn_state){0, true, true};
+                for (int child = 0; child < 4; child++) {
+                    const struct dmn_state *in;
+                    int column = x, row = y;
+
+                    if (!child_of(pyramid, l, &column, &row, child)) continue;
+                    in = &pyramid->state[index_of(pyramid, l - 1, column, row)];
+                    out->samples += in->samples;
+                    out->converged &= in->converged;
+                    out->settled &= in->settled;
+                }
+            }
+    }
+}
+
+/* --- the best few
+ * -------------------------------------------------------------------------------------------- */
+
+struct search {
+    const struct dmn_pyramid *pyramid;
+    const struct dmn_state *sent;
+    const float *gaze;
+    size_t count, limit;
+    struct dmn_place *heap; /* worst first */
+};
+
+static void sink(struct dmn_place *heap, size_t count, size_t at)
+{
+    for (;;) {
+        size_t child = 2 * at + 1;
+
+        if (child >= count) return;
+        if (child + 1 < count && heap[child + 1].rank > heap[child].rank) child++;
+        if (heap[at].rank >= heap[child].rank) return;
+
+        struct dmn_place held = heap[at];
+        heap[at] = heap[child];
+        heap[child] = held;
+        at = child;
+    }
+}
+
+static void offer(struct search *search, struct dmn_place place)
+{
+    if (search->count < search->limit) {
+        search->heap[search->count++] = place;
+        if (search->count == search->limit)
+            for (size_t i = search->count / 2; i-- > 0;) sink(search->heap, search->count, i);
+    } else if (place.rank < search->heap[0].rank) {
+        search->heap[0] = place;
+        sink(search->heap, search->count, 0);
+    }
+}
+
+static int by_rank(const void *a, const void *b)
+{
+    const struct dmn_place *p = a, *q = b;
+
+    if (p->rank != q->rank) return p->rank < q->rank ? -1 : 1;
+    if (p->level != q->level) return q->level - p->level;
+    return p->index < q->index ? -1 : 1;
+}
+
+/* --- the walk
+ * ------------------------------------------------------------------------------------------------ */
+
+/* Angle from the gaze to the nearest part of a tile, roughly: tiles are squares near the equator and slivers
+ * near the poles, so the circle around them is what counts. */
+static float distance(const struct search *search, int level, size_t index)
+{
+    const float *centre = search->pyramid->centre[index];
+    float cosine = centre[0] * search->gaze[0] + centre[1] * search->gaze[1] + centre[2] * search->gaze[2];
+    float radius = (float)(M_SQRT1_2 * M_PI) / search->pyramid->level[level].rows;
+
+    return fmaxf(0, acosf(fmaxf(-1, fminf(1, cosine))) - radius);
+}
+
+static bool has_grown(const struct dmn_state *now, const struct dmn_state *sent)
+{
+    return (double)now->samples >= GROWTH * (double)sent->samples ||
+           (now->converged && !sent->converged && now->samples > sent->samples) ||
+           (now->settled && !sent->settled && (double)now->samples >= SETTLED_GROWTH * (double)sent->samples);
+}
+
+/* What a subtree shows: the client has a picture of all of it, or could have a finer one at once. */
+struct shown {
+    bool all, soon;
+};
+
+/* above: a coarser tile shows this area, or is about to. */
+static struct shown walk(struct search *search, int level, int x, int y, bool above)
+{
+    const struct dmn_pyramid *pyramid = search->pyramid;
+    size_t index = index_of(pyramid, level, x, y);
+    const struct dmn_state *now = &pyramid->state[index], *sent = &search->sent[index];
+    bool coarsest = level == pyramid->levels - 1;
+    bool ready = now->samples >= (coarsest ? 1 : RND_TILE * RND_TILE), has = sent->samples > 0;
+    struct shown finer = {level > 0, level > 0};
+
+    for (int child = 0; level > 0 && child < 4; child++) {
+        int column = x, row = y;
+        struct shown s;
+
+        if (!child_of(pyramid, level, &column, &row, child)) continue;
+        s = walk(search, level - 1, column, row, above || ready || has);
+        finer.all &= s.all;
+        finer.soon &= s.all || s.soon;
+    }
+    if (ready && !finer.all) {
+        struct dmn_place place = {level, x, y, index, 0};
+        int tiles = pyramid->level[level].columns * pyramid->level[level].rows;
+
+        if (!has && !above)
+            place.rank = RANK_BLACK - (float)level;
+        else if (!has && tiles <= COARSE_TILES)
+            place.rank = RANK_COARSE - (float)level;
+        else if (!has && !finer.soon)
+            place.rank = distance(search, level, index);
+        else if (has && !finer.soon && has_grown(now, sent))
+            place.rank = distance(search, level, index) + AGAIN;
+        else
+            place.level = -1;
+        if (place.level >= 0) offer(search, place);
+    }
+    return (struct shown){has || finer.all, ready || finer.soon};
+}
+
+size_t dmn_next(const struct dmn_pyramid *pyramid, const struct dmn_state *sent, const float gaze[3],
+                size_t limit, struct dmn_place *out_places)
+{
+    struct search search = {pyramid, sent, gaze, 0, limit, out_places};
+    int top = pyramid->levels - 1;
+
+    if (!limit) return 0;
+    for (int y = 0; y < pyramid->level[top].rows; y++)
+        for (int x = 0; x < pyramid->level[top].columns; x++) walk(&search, top, x, y, false);
+    qsort(out_places, search.count, sizeof(*out_places), by_rank);
+    return search.count;
+}

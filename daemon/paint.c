@@ -1,0 +1,197 @@
+/* The thread that adds batch after batch of paths to the film. */
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "paint.h"
+
+enum {
+    FIRST_PATHS = 2048, /* of the first batch: short on any machine */
+    LEAST_PATHS = 256,
+    MOST_PATHS = 1 << 20,
+    VIRTUAL_PATHS = 4096,
+    JUDGE_EVERY = 32, /* batches between two looks at whether all tiles have converged */
+};
+static const uint64_t VIRTUAL_STEP_NS = 5000000;
+static const uint64_t LATELY_NS = 500000000;
+
+/* Figures of the last half second, gathered by the painter alone. */
+struct lately {
+    uint64_t since_ns, paths;
+    struct dmn_histogram batch, gaze_to_batch;
+};
+
+struct dmn_painter {
+    struct dmn_painter_options options;
+    struct rnd_tile *tiles;
+    pthread_t thread;
+    bool started;
+    atomic_bool stop;
+    struct lately lately;
+    uint64_t began_ns, gaze_sequence;
+    uint32_t converged;
+
+    pthread_mutex_t lock;
+    struct dmn_work work;
+};
+
+static void note_lately(struct dmn_painter *painter, const struct rnd_aim *aim, const struct rnd_batch *batch,
+                        uint64_t start_ns, struct dmn_work *work)
+{
+    struct lately *lately = &painter->lately;
+    uint64_t now_ns = dmn_now_ns(), passed_ns = now_ns - lately->since_ns;
+
+    lately->paths += batch->paths;
+    dmn_histogram_add(&lately->batch, batch->seconds);
+    if (aim->sequence != painter->gaze_sequence && aim->time_ns && start_ns >= aim->time_ns)
+        dmn_histogram_add(&lately->gaze_to_batch, (double)(start_ns - aim->time_ns) * 1e-9);
+    painter->gaze_sequence = aim->sequence;
+    if (passed_ns < LATELY_NS) return;
+    work->paths_per_second = (double)lately->paths / ((double)passed_ns * 1e-9);
+    work->batch_seconds = dmn_histogram_quantile(&lately->batch, 0.5);
+    if (lately->gaze_to_batch.count)
+        work->gaze_to_batch_seconds = dmn_histogram_quantile(&lately->gaze_to_batch, 0.5);
+    memset(lately, 0, sizeof(*lately));
+    lately->since_ns = now_ns;
+}
+
+static bool gaze_ended(struct dmn_painter *painter)
+{
+    struct dmn_gaze_state state;
+
+    dmn_gaze_state(painter->options.gaze, &state);
+    return state.ended;
+}
+
+static void judge(struct dmn_painter *painter)
+{
+    painter->converged = 0;
+    rnd_render_tiles(painter->options.render, painter->tiles);
+    for (uint32_t i = 0; i < painter->options.tiles; i++) painter->converged += painter->tiles[i].converged;
+}
+
+/* Book a batch; true when the render is done. */
+static bool book(struct dmn_painter *painter, const struct rnd_aim *aim, const struct rnd_batch *batch,
+                 uint64_t start_ns, uint64_t now_ns)
+{
+    const struct dmn_painter_options *options = &painter->options;
+    struct dmn_progress progress = {.pixels = options->pixels, .tiles = options->tiles};
+    struct dmn_work work = painter->work; /* written by this thread alone */
+
+    work.paths += batch->paths;
+    work.rays += batch->rays;
+    work.not_finite += batch->not_finite;
+    work.batches++;
+    work.seconds = (double)(dmn_now_ns() - painter->began_ns) * 1e-9;
+    work.now_ns = now_ns;
+    note_lately(painter, aim, batch, start_ns, &work);
+    if (options->until.kind == DMN_UNTIL_CONVERGED && work.batches % JUDGE_EVERY == 0) judge(painter);
+    progress.paths = work.paths;
+    progress.seconds = options->virtual_clock ? (double)now_ns * 1e-9 : work.seconds;
+    progress.converged = painter->converged;
+    progress.gaze_ended = options->until.kind == DMN_UNTIL_END && gaze_ended(painter);
+    work.share = dmn_until_share(&options->until, &progress);
+    pthread_mutex_lock(&painter->lock);
+    painter->work = work;
+    pthread_mutex_unlock(&painter->lock);
+    options->wake(options->context);
+    return work.share >= 1;
+}
+
+/* Paths of the next batch: as many as take about the time aimed at, and no more than are still wanted. */
+static uint32_t next_paths(const struct dmn_painter *painter, uint32_t paths, const struct rnd_batch *last)
+{
+    const struct dmn_painter_options *options = &painter->options;
+
+    if (options->virtual_clock)
+        paths = VIRTUAL_PATHS;
+    else if (last->seconds > 0) {
+        double change = options->batch_seconds / last->seconds;
+
+        /* Half of the way, at most doubled: one slow batch, for whatever reason, must not set the pace. */
+        change = change > 2 ? 2 : change < 0.5 ? 0.5 : change;
+        paths = (uint32_t)(paths * (1 + (change - 1) / 2));
+        paths = paths < LEAST_PATHS ? LEAST_PATHS : paths > MOST_PATHS ? MOST_PATHS : paths;
+    }
+    if (options->until.kind == DMN_UNTIL_PATHS) {
+        double left = options->until.amount * (double)options->pixels - (double)painter->work.paths;
+
+        if (left < paths) paths = left < 1 ? 1 : (uint32_t)(left + 0.5);
+    }
+    return paths;
+}
+
+static void *paint(void *argument)
+{
+    struct dmn_painter *painter = argument;
+    const struct dmn_painter_options *options = &painter->options;
+    uint64_t virtual_ns = 0;
+    uint32_t paths = FIRST_PATHS;
+    struct rnd_batch batch = {0};
+    bool done = false;
+
+    painter->began_ns = painter->lately.since_ns = dmn_now_ns();
+    for (bool first = true; !done && !atomic_load(&painter->stop); first = false) {
+        uint64_t now_ns = options->virtual_clock ? virtual_ns : dmn_now_ns();
+        struct rnd_aim aim;
+
+        if (options->virtual_clock) dmn_gaze_advance(options->gaze, virtual_ns);
+        dmn_gaze_aim(options->gaze, &aim);
+        if (first) {
+            rnd_render_outline(options->render, &aim, now_ns, &batch);
+        } else {
+            paths = next_paths(painter, paths, &batch);
+            rnd_render_batch(options->render, &aim, now_ns, paths, &batch);
+            virtual_ns += VIRTUAL_STEP_NS;
+        }
+        done = book(painter, &aim, &batch, now_ns, options->virtual_clock ? virtual_ns : dmn_now_ns());
+        if (first) batch.seconds = 0; /* says nothing about the batches to come */
+    }
+    pthread_mutex_lock(&painter->lock);
+    painter->work.done = true;
+    pthread_mutex_unlock(&painter->lock);
+    options->wake(options->context);
+    return NULL;
+}
+
+struct dmn_painter *dmn_painter_start(const struct dmn_painter_options *options)
+{
+    struct dmn_painter *painter = calloc(1, sizeof(*painter));
+
+    if (!painter) return NULL;
+    painter->options = *options;
+    pthread_mutex_init(&painter->lock, NULL);
+    painter->tiles = calloc(options->tiles, sizeof(*painter->tiles));
+    painter->started = painter->tiles && !pthread_create(&painter->thread, NULL, paint, painter);
+    if (!painter->started) {
+        dmn_painter_destroy(painter);
+        return NULL;
+    }
+    return painter;
+}
+
+void dmn_painter_work(struct dmn_painter *painter, struct dmn_work *out_work)
+{
+    pthread_mutex_lock(&painter->lock);
+    *out_work = painter->work;
+    pthread_mutex_unlock(&painter->lock);
+    if (!painter->options.virtual_clock) out_work->now_ns = dmn_now_ns();
+}
+
+void dmn_painter_stop(struct dmn_painter *painter)
+{
+    if (!painter->started) return;
+    atomic_store(&painter->stop, true);
+    pthread_join(painter->thread, NULL);
+    painter->started = false;
+}
+
+void dmn_painter_destroy(struct dmn_painter *painter)
+{
+    if (!painter) return;
+    dmn_painter_stop(painter);
+    free(painter->tiles);
+    pthread_mutex_destroy(&painter->lock);
+    free(painter);
+}

@@ -1,0 +1,25 @@
+/* report: what fovead says to people and to scripts: what it loaded, how far it is, what it did. */
+#ifndef FOVEAD_DAEMON_REPORT_H
+#define FOVEAD_DAEMON_REPORT_H
+
+#include <stdio.h>
+
+#include "session.h"
+
+/* One line on the scene, for the start line and for Welcome. */
+void dmn_report_scene(const struct rnd_scene_info *info, const char *path, char *out_line, size_t size);
+
+/* Progress towards --until on stderr: a bar redrawn in place on a terminal, else a line every few seconds.
+ * All zero is the start. */
+struct dmn_bar {
+    uint64_t printed_ns;
+    bool drawn;
+};
+void dmn_report_progress(struct dmn_bar *bar, const struct dmn_options *options, const struct dmn_work *work);
+/* End the bar's line, if there is one. */
+void dmn_report_progress_end(struct dmn_bar *bar);
+
+/* The summary: a table, or with options->json one object; saved says whether options->save was written. */
+void dmn_report_summary(const struct dmn_common *common, const struct dmn_work *work, bool saved);
+
+#endif

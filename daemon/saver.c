@@ -1,0 +1,107 @@
+/* Writes the film to files that clients ask for. */
+#include <pthread.h>
+#include <stdlib.h>
+
+#include "saver.h"
+
+struct dmn_saver {
+    struct rnd_render *render;
+    void (*wake)(void *context);
+    void *context;
+    pthread_t thread;
+    bool started;
+
+    pthread_mutex_t lock; /* of all that follows */
+    pthread_cond_t changed;
+    bool stop;
+    /* A ring: first are the ones that are done, then those that wait. */
+    struct dmn_save save[DMN_SAVES];
+    unsigned first, done, count;
+};
+
+static void *run(void *argument)
+{
+    struct dmn_saver *saver = argument;
+
+    pthread_mutex_lock(&saver->lock);
+    while (!saver->stop) {
+        struct dmn_save *save;
+
+        if (saver->done == saver->count) {
+            pthread_cond_wait(&saver->changed, &saver->lock);
+            continue;
+        }
+        /* Its place in the ring is this thread's until it is marked done. */
+        save = &saver->save[(saver->first + saver->done) % DMN_SAVES];
+        pthread_mutex_unlock(&saver->lock);
+        save->good = rnd_render_save(saver->render, save->path, save->error);
+        pthread_mutex_lock(&saver->lock);
+        saver->done++;
+        saver->wake(saver->context);
+    }
+    pthread_mutex_unlock(&saver->lock);
+    return NULL;
+}
+
+struct dmn_saver *dmn_saver_start(struct rnd_render *render, void (*wake)(void *context), void *context)
+{
+    struct dmn_saver *saver = calloc(1, sizeof(*saver));
+
+    if (!saver) return NULL;
+    saver->render = render;
+    saver->wake = wake;
+    saver->context = context;
+    pthread_mutex_init(&saver->lock, NULL);
+    pthread_cond_init(&saver->changed, NULL);
+    saver->started = !pthread_create(&saver->thread, NULL, run, saver);
+    if (!saver->started) {
+        dmn_saver_destroy(saver);
+        return NULL;
+    }
+    return saver;
+}
+
+void dmn_saver_destroy(struct dmn_saver *saver)
+{
+    if (!saver) return;
+    if (saver->started) {
+        pthread_mutex_lock(&saver->lock);
+        saver->stop = true;
+        pthread_cond_signal(&saver->changed);
+        pthread_mutex_unlock(&saver->lock);
+        pthread_join(saver->thread, NULL);
+    }
+    pthread_cond_destroy(&saver->changed);
+    pthread_mutex_destroy(&saver->lock);
+    free(saver);
+}
+
+bool dmn_saver_ask(struct dmn_saver *saver, const struct dmn_save *save)
+{
+    bool room;
+
+    pthread_mutex_lock(&saver->lock);
+    room = saver->count < DMN_SAVES;
+    if (room) {
+        saver->save[(saver->first + saver->count++) % DMN_SAVES] = *save;
+        pthread_cond_signal(&saver->changed);
+    }
+    pthread_mutex_unlock(&saver->lock);
+    return room;
+}
+
+bool dmn_saver_take(struct dmn_saver *saver, struct dmn_save *out_save)
+{
+    bool found;
+
+    pthread_mutex_lock(&saver->lock);
+    found = saver->done > 0;
+    if (found) {
+        *out_save = saver->save[saver->first];
+        saver->first = (saver->first + 1) % DMN_SAVES;
+        saver->done--;
+        saver->count--;
+    }
+    pthread_mutex_unlock(&saver->lock);
+    return found;
+}

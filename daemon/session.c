@@ -1,0 +1,239 @@
+/* One client: what it says. What it is sent is in send.c. */
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "session_internal.h"
+
+/* Tiles under way unacknowledged, unless the client asks for another number; and the most it may ask for. */
+enum { WINDOW = 64, MOST_WINDOW = 1024 };
+
+/* A client may take so long to say Hello, and to finish a frame that it began. */
+static const uint64_t PATIENCE_NS = 5000000000;
+
+struct dmn_session *dmn_session_create(const struct dmn_session_options *options)
+{
+    struct dmn_session *session = calloc(1, sizeof(*session));
+
+    if (!session) return NULL;
+    session->options = *options;
+    session->common = options->common;
+    snprintf(session->peer, sizeof(session->peer), "%s", options->peer);
+    session->options.peer = session->peer;
+    session->since_ns = dmn_now_ns();
+    pro_reader_init(&session->reader, PRO_MAX_TO_DAEMON);
+    session->common->clients++;
+    return session;
+}
+
+void dmn_session_destroy(struct dmn_session *session)
+{
+    if (!session) return;
+    if (session->common->view_owner == session->options.number) {
+        session->common->view_owner = 0;
+        dmn_gaze_view(session->common->gaze, NULL, 0, 0);
+    }
+    session->common->clients--;
+    pro_reader_finish(&session->reader);
+    free(session->sent);
+    free(session);
+}
+
+unsigned dmn_session_number(const struct dmn_session *session)
+{
+    return session->options.number;
+}
+
+const char *dmn_session_peer(const struct dmn_session *session)
+{
+    return session->peer;
+}
+
+bool dmn_session_greeted(const struct dmn_session *session)
+{
+    return session->greeted;
+}
+
+static bool fail(char out_error[PRO_ERROR_SIZE], const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+static bool fail(char out_error[PRO_ERROR_SIZE], const char *format, ...)
+{
+    va_list args;
+
+    va_start(args, format);
+    vsnprintf(out_error, PRO_ERROR_SIZE, format, args);
+    va_end(args);
+    return false;
+}
+
+/* In a time that does not tell how much of the token was right. */
+static bool same_token(const char *want, const char *have)
+{
+    size_t length = strlen(want), other = strlen(have);
+    unsigned char differ = length != other;
+
+    for (size_t i = 0; i < length; i++) differ |= (unsigned char)(want[i] ^ (i < other ? have[i] : 0));
+    return !differ;
+}
+
+static bool take_hello(struct dmn_session *session, const Fovea__Hello *hello, char out_error[PRO_ERROR_SIZE])
+{
+    if (hello->version != PRO_VERSION)
+        return fail(out_error, "it speaks version %u of the protocol, not %d", hello->version, PRO_VERSION);
+    if (session->options.token && !same_token(session->options.token, hello->token))
+        return fail(out_error, "its token is wrong");
+    switch (hello->tiles) {
+    case FOVEA__ENCODING__ENCODING_NONE:
+        break;
+    case FOVEA__ENCODING__ENCODING_HALF_ZSTD:
+    case FOVEA__ENCODING__ENCODING_JPEG:
+        session->sent = calloc(session->common->pyramid.count, sizeof(*session->sent));
+        if (!session->sent) return fail(out_error, "out of memory");
+        break;
+    default:
+        return fail(out_error, "it wants tiles in an unknown encoding, %d", (int)hello->tiles);
+    }
+    session->encoding = hello->tiles;
+    session->window = hello->window ? hello->window : WINDOW;
+    if (session->window > MOST_WINDOW) session->window = MOST_WINDOW;
+    session->wants_gaze = hello->gaze;
+    session->wants_stats = session->stats_due = hello->stats;
+    return session->greeted = session->welcome_due = true;
+}
+
+static bool take_view(struct dmn_session *session, const Fovea__View *view, char out_error[PRO_ERROR_SIZE])
+{
+    float q[4], square = 0;
+
+    if (view->n_orientation != 4) return fail(out_error, "a view without orientation");
+    for (int i = 0; i < 4; i++) square += view->orientation[i] * view->orientation[i];
+    if (!isfinite(square) || square < 1e-6f || !(view->fov_x > 0 && view->fov_x < (float)M_PI) ||
+        !(view->fov_y > 0 && view->fov_y < (float)M_PI))
+        return fail(out_error, "a view that is none");
+    for (int i = 0; i < 4; i++) q[i] = view->orientation[i] / sqrtf(square);
+    session->common->view_owner = session->options.number;
+    dmn_gaze_view(session->common->gaze, q, view->fov_x, view->fov_y);
+    return true;
+}
+
+static bool reply(struct dmn_session *session, struct dmn_reply reply, char out_error[PRO_ERROR_SIZE])
+{
+    if (session->replies + session->saves >= DMN_REPLIES)
+        return fail(out_error, "it asks and does not listen");
+    session->reply[(session->first_reply + session->replies++) % DMN_REPLIES] = reply;
+    return true;
+}
+
+static struct dmn_reply done(uint32_t request, bool good, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+static struct dmn_reply done(uint32_t request, bool good, const char *format, ...)
+{
+    struct dmn_reply reply = {.is_done = true, .request = request, .good = good};
+    va_list args;
+
+    va_start(args, format);
+    vsnprintf(reply.text, sizeof(reply.text), format, args);
+    va_end(args);
+    return reply;
+}
+
+static bool take_save(struct dmn_session *session, const Fovea__Save *save, char out_error[PRO_ERROR_SIZE])
+{
+    struct dmn_save job = {.client = session->options.number, .request = save->request};
+    size_t length = strlen(save->path);
+
+    if (!session->options.may_save)
+        return reply(session, done(save->request, false, "files are saved only for clients on a Unix socket"),
+                     out_error);
+    if (save->path[0] != '/' || length >= sizeof(job.path) || length < 4 ||
+        strcmp(save->path + length - 4, ".exr") != 0)
+        return reply(session, done(save->request, false, "an absolute path that ends in .exr is needed"),
+                     out_error);
+    memcpy(job.path, save->path, length + 1);
+    if (session->replies + session->saves >= DMN_REPLIES)
+        return fail(out_error, "it asks and does not listen");
+    if (!dmn_saver_ask(session->common->saver, &job))
+        return reply(session, done(save->request, false, "too many files are waiting to be written"),
+                     out_error);
+    session->saves++;
+    return true;
+}
+
+void dmn_session_saved(struct dmn_session *session, const struct dmn_save *save)
+{
+    char error[PRO_ERROR_SIZE];
+    struct dmn_reply answer = save->good ? done(save->request, true, "wrote %.900s", save->path)
+                                         : done(save->request, false, "%s", save->error);
+
+    session->saves--; /* which makes the room that its answer needs */
+    (void)reply(session, answer, error);
+}
+
+static bool take_message(struct dmn_session *session, const Fovea__Message *message,
+                         char out_error[PRO_ERROR_SIZE])
+{
+    switch (message->body_case) {
+    case FOVEA__MESSAGE__BODY_HELLO:
+        if (session->greeted) return fail(out_error, "it said hello twice");
+        return take_hello(session, message->hello, out_error);
+    case FOVEA__MESSAGE__BODY_VIEW:
+        return take_view(session, message->view, out_error);
+    case FOVEA__MESSAGE__BODY_POINTER:
+        if (message->pointer->n_direction != 3) return fail(out_error, "a pointer without direction");
+        dmn_gaze_push(session->common->gaze, message->pointer->direction);
+        return true;
+    case FOVEA__MESSAGE__BODY_FREEZE:
+        dmn_gaze_freeze(session->common->gaze, message->freeze->frozen);
+        return true;
+    case FOVEA__MESSAGE__BODY_ACKNOWLEDGE:
+        if (message->acknowledge->serial > session->serial)
+            return fail(out_error, "it acknowledges a tile that was not sent");
+        if (message->acknowledge->serial > session->acknowledged)
+            session->acknowledged = message->acknowledge->serial;
+        return true;
+    case FOVEA__MESSAGE__BODY_SAVE:
+        return take_save(session, message->save, out_error);
+    case FOVEA__MESSAGE__BODY_PING:
+        return reply(session, (struct dmn_reply){.client_ns = message->ping->client_ns}, out_error);
+    default:
+        return fail(out_error, "it sent a message that clients do not send");
+    }
+}
+
+bool dmn_session_take(struct dmn_session *session, const void *bytes, size_t count,
+                      char out_error[PRO_ERROR_SIZE])
+{
+    bool good = pro_reader_add(&session->reader, bytes, count) || fail(out_error, "out of memory");
+
+    while (good) {
+        Fovea__Message *message;
+        enum pro_result result = pro_reader_take(&session->reader, &message, out_error);
+
+        if (result == PRO_BROKEN) return false;
+        if (result == PRO_MORE) break;
+        good = session->greeted || message->body_case == FOVEA__MESSAGE__BODY_HELLO
+                   ? take_message(session, message, out_error)
+                   : fail(out_error, "it did not say hello first");
+        fovea__message__free_unpacked(message, NULL);
+        session->since_ns = dmn_now_ns();
+    }
+    if (!session->reader.used)
+        session->partial = false;
+    else if (!session->partial) {
+        session->partial = true;
+        session->since_ns = dmn_now_ns();
+    }
+    return good;
+}
+
+bool dmn_session_check(const struct dmn_session *session, char out_error[PRO_ERROR_SIZE])
+{
+    if (dmn_now_ns() - session->since_ns < PATIENCE_NS) return true;
+    if (!session->greeted) return fail(out_error, "it did not say hello");
+    if (session->partial) return fail(out_error, "it began a frame and did not end it");
+    return true;
+}

@@ -1,0 +1,43 @@
+/* The inside of a session, for session.c (what the client says) and send.c (what it is sent). */
+#ifndef FOVEAD_DAEMON_SESSION_INTERNAL_H
+#define FOVEAD_DAEMON_SESSION_INTERNAL_H
+
+#include "session.h"
+
+enum {
+    DMN_REPLIES = 32, /* waiting to be sent; a client that lets more pile up is dropped */
+    DMN_PLAN = 64,    /* tiles chosen at a time */
+};
+
+/* A Pong or a Done. */
+struct dmn_reply {
+    bool is_done, good;
+    uint32_t request;
+    uint64_t client_ns;
+    char text[1024];
+};
+
+struct dmn_session {
+    struct dmn_session_options options;
+    struct dmn_common *common;
+    char peer[96];
+    struct pro_reader reader;
+    uint64_t since_ns; /* the start of what the client is being waited for: Hello, or the rest of a frame */
+    bool greeted, partial;
+
+    Fovea__Encoding encoding;
+    uint32_t window;
+    bool wants_gaze, wants_stats, welcome_due, stats_due;
+    uint64_t gaze_cursor;
+    struct dmn_reply reply[DMN_REPLIES];
+    unsigned first_reply, replies;
+    unsigned saves; /* files asked for and not yet answered: each has a place among the replies */
+
+    uint64_t serial, acknowledged;
+    struct dmn_state *sent; /* what each tile was when it was sent; NULL if no tiles are wanted */
+    struct dmn_place plan[DMN_PLAN];
+    size_t planned, next;
+    uint64_t plan_version; /* of the pyramid that the plan was made from */
+};
+
+#endif
