@@ -175,12 +175,11 @@ static void *read_for_ever(void *argument)
     return argument;
 }
 
-/* Without the interrupt these reads would wait for ever, or for the 150 ms to the log's next sample times
- * 1000. */
+/* Without the interrupt these reads go on for ever; the replay's wait nearly a second for each sample. */
 static void interrupt_wakes(void **state)
 {
     (void)state;
-    static const char *const specs[] = {"pointer", "replay:tracker_source.gaze", "synthetic"};
+    static const char *const specs[] = {"pointer", "replay:" FIXTURES "/hall.gaze", "synthetic"};
     for (int k = 0; k < 3; k++) {
         struct trk_source *source =
             open_source((struct trk_source_options){.spec = specs[k], .speed = 0.01, .loop = true});

@@ -260,6 +260,7 @@ static void bad_input(void **state)
     refused(HEADER ROW("-9223372036854775808", "20", "1") ROW("9223372036854775807", "21", "2"),
             ":3: ", "100ns");
     refused(HEADER ROW("7", "99999999999", "1"), ":2: ", "32-bit");
+    refused(HEADER ROW("7", "1", "4294967296"), ":2: ", "frame is 4294967296");
     refused(HEADER ROW("7", "1.5", "1"), ":2: ", "whole number");
     refused(HEADER ROW("", "1", "1"), ":2: ", "time(100ns) is ''");
     refused(HEADER "7;1;1;" EYES("31", "31") "nan;0;1;0;0;1;False;" HEAD_AHEAD,

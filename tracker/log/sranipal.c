@@ -122,9 +122,9 @@ static bool read_time(struct reader *reader, struct trk_sample *out_sample, char
     if (!read_integer(reader, TICKS, &tick, out_error) || !read_integer(reader, STAMP, &stamp, out_error) ||
         !read_integer(reader, FRAME, &frame, out_error))
         return false;
-    if (stamp < INT32_MIN || stamp > UINT32_MAX)
-        return trk_lines_fail(reader->lines, out_error, "%s is %lld, expected a 32-bit count", names[STAMP],
-                              (long long)stamp);
+    if (stamp < INT32_MIN || stamp > UINT32_MAX || frame < INT32_MIN || frame > UINT32_MAX)
+        return trk_lines_fail(reader->lines, out_error, "%s is %lld and %s is %lld, expected 32-bit counts",
+                              names[STAMP], (long long)stamp, names[FRAME], (long long)frame);
     if (!reader->started) {
         reader->started = true;
         reader->first_tick = tick;
@@ -143,12 +143,11 @@ static bool read_time(struct reader *reader, struct trk_sample *out_sample, char
     reader->last_stamp = (uint32_t)stamp;
     reader->device_ms += step;
     /* A skipped frame is a lost sample; a frame fetched twice or a counter that starts anew is not. */
-    uint64_t counted = frame < reader->first_frame ? 0 : (uint64_t)frame - (uint64_t)reader->first_frame + 1;
+    uint64_t counted = frame < reader->first_frame ? 0 : (uint64_t)(frame - reader->first_frame) + 1;
     reader->sequence = counted > reader->sequence ? counted : reader->sequence + 1;
 
     out_sample->sequence = reader->sequence;
-    out_sample->device_ns =
-        reader->device_ms * 1000000; /* 2^26 rows of 2^31 ms are checked by trk_log_append() */
+    out_sample->device_ns = reader->device_ms * 1000000; /* trk_log_append() refuses long before this wraps */
     out_sample->arrival_ns = (uint64_t)ticks * 100;
     return true;
 }
