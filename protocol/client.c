@@ -85,10 +85,11 @@ static void acknowledge(struct pro_client *client)
     if (client->unacknowledged > 0 && !client->out && start(client, &message)) client->unacknowledged = 0;
 }
 
-/* When the next Ping is due. One is under way at a time, so that a Pong's round trip is known. */
+/* When the next Ping can go: one at a time, so that a Pong's round trip is known, and not while other bytes
+ * wait, whose going wakes pro_receive() anyway. */
 static uint64_t next_ping_ns(const struct pro_client *client)
 {
-    if (client->ping_under_way || !client->welcome || client->deaf) return PRO_NEVER;
+    if (client->ping_under_way || client->out || !client->welcome) return PRO_NEVER;
     return client->ping_ns == 0 ? 0 : client->ping_ns + ping_every_ns;
 }
 
@@ -97,7 +98,7 @@ static void ping(struct pro_client *client)
     Fovea__Ping body = FOVEA__PING__INIT;
     Fovea__Message message = FOVEA__MESSAGE__INIT;
     uint64_t now = pro_now_ns();
-    if (client->out || now < next_ping_ns(client)) return;
+    if (now < next_ping_ns(client)) return;
     body.client_ns = now;
     message.body_case = FOVEA__MESSAGE__BODY_PING;
     message.ping = &body;

@@ -16,6 +16,8 @@
 
 #include "fovea.pb-c.h"
 
+PROTOBUF_C__BEGIN_DECLS
+
 enum {
     PRO_ERROR_SIZE = 512,
     PRO_VERSION = 1,
@@ -136,5 +138,7 @@ double pro_picture_coverage(const struct pro_picture *picture);
  * came, their pixels are interpolated bilinearly, across tiles of the same level and across the seam; where
  * nothing came, 0. */
 void pro_picture_resolve(const struct pro_picture *picture, float *out_rgb);
+
+PROTOBUF_C__END_DECLS
 
 #endif

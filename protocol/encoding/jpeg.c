@@ -19,8 +19,8 @@ enum { QUALITY = 90, STEPS = 4096 };
 /* --- the sRGB curve (IEC 61966-2-1), from tables that are written once and only read from then on ------ */
 
 static pthread_once_t once = PTHREAD_ONCE_INIT;
-static float
-    code_table[STEPS + 1]; /* 8-bit code + 1/2 at i / STEPS; interpolated, within 0.005 of the curve */
+/* 8-bit code + 1/2 at i / STEPS; interpolated, within 0.005 of the curve. */
+static float code_table[STEPS + 1];
 static float linear_table[256];
 
 static void make_tables(void)

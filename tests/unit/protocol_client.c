@@ -45,9 +45,13 @@ static Fovea__Message *receive(struct pro_client *client, Fovea__Message__BodyCa
     }
 }
 
+/* And whatever came with it, so that every tile so far is acknowledged. */
 static void receive_done(struct pro_client *client)
 {
-    fovea__message__free_unpacked(receive(client, FOVEA__MESSAGE__BODY_DONE), NULL);
+    char error[PRO_ERROR_SIZE];
+    Fovea__Message *message = receive(client, FOVEA__MESSAGE__BODY_DONE);
+    do fovea__message__free_unpacked(message, NULL);
+    while (pro_receive(client, 0, &message, error) == PRO_MESSAGE);
 }
 
 static void send_done(struct server *server)
@@ -57,8 +61,7 @@ static void send_done(struct server *server)
     server_send(server, FOVEA__MESSAGE__BODY_DONE, &done);
 }
 
-/* --- tiles -----------------------------------------------------------------------------------------------
- */
+/* --- tiles --------------------------------------------------------------------------------------------- */
 
 static void script_tiles(struct server *server)
 {
@@ -128,8 +131,7 @@ static void tiles_tcp_jpeg(void **state)
     tiles(true, FOVEA__ENCODING__ENCODING_JPEG, 0.01f);
 }
 
-/* --- acknowledgements ------------------------------------------------------------------------------------
- */
+/* --- acknowledgements ---------------------------------------------------------------------------------- */
 
 enum { MANY = 300 };
 
@@ -192,17 +194,26 @@ static void burst_is_acknowledged_together(void **state)
     assert_true(server.acknowledges >= 16 && server.acknowledges <= 32);
 }
 
-/* A daemon that does not read: what the client cannot say must not keep it from listening. */
+/* A daemon that stops reading: what the client cannot say must not keep it from listening, nor busy. */
 static void script_deaf(struct server *server)
 {
     server_until(server, FOVEA__MESSAGE__BODY_HELLO);
     server_welcome(server);
+    server_until(server, FOVEA__MESSAGE__BODY_PING);
     for (uint64_t serial = 1; serial <= 5000; serial++) server_tile(server, serial, 1, 0, 0, 0, 1);
     send_done(server);
+    server_pause(1500); /* the next Ping becomes due */
     while (server->acknowledged < 5000)
         if (!server_until(server, FOVEA__MESSAGE__BODY_ACKNOWLEDGE)) return;
     send_done(server);
     server_until_gone(server);
+}
+
+static double cpu_seconds(void)
+{
+    struct timespec used;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &used);
+    return (double)used.tv_sec + (double)used.tv_nsec * 1e-9;
 }
 
 static void daemon_that_does_not_read(void **state)
@@ -212,14 +223,16 @@ static void daemon_that_does_not_read(void **state)
     struct pro_client *client =
         meet(&server, script_deaf, hello_for(FOVEA__ENCODING__ENCODING_HALF_ZSTD), false);
     receive_done(client);
+    double began = cpu_seconds();
     receive_done(client); /* and what was held back is said once it reads again */
+    assert_true(cpu_seconds() - began < 0.2);
     pro_disconnect(client);
     server_finish(&server);
     assert_int_equal(server.acknowledged, 5000);
+    assert_true(server.acknowledges < 5000 / 4);
 }
 
-/* --- time ------------------------------------------------------------------------------------------------
- */
+/* --- time ---------------------------------------------------------------------------------------------- */
 
 static void script_quiet(struct server *server)
 {
@@ -301,8 +314,7 @@ static void signals_do_not_shorten(void **state)
     server_finish(&server);
 }
 
-/* --- connecting ------------------------------------------------------------------------------------------
- */
+/* --- connecting ---------------------------------------------------------------------------------------- */
 
 static void waits_for_a_late_daemon(void **state)
 {
