@@ -119,14 +119,24 @@ struct search {
     struct dmn_place *heap; /* worst first */
 };
 
+/* A total order: the same states always give the same places. */
+static int by_rank(const void *a, const void *b)
+{
+    const struct dmn_place *p = a, *q = b;
+
+    if (p->rank != q->rank) return p->rank < q->rank ? -1 : 1;
+    if (p->level != q->level) return q->level - p->level;
+    return p->index < q->index ? -1 : 1;
+}
+
 static void sink(struct dmn_place *heap, size_t count, size_t at)
 {
     for (;;) {
         size_t child = 2 * at + 1;
 
         if (child >= count) return;
-        if (child + 1 < count && heap[child + 1].rank > heap[child].rank) child++;
-        if (heap[at].rank >= heap[child].rank) return;
+        if (child + 1 < count && by_rank(&heap[child + 1], &heap[child]) > 0) child++;
+        if (by_rank(&heap[at], &heap[child]) > 0) return;
 
         struct dmn_place held = heap[at];
         heap[at] = heap[child];
@@ -141,19 +151,10 @@ static void offer(struct search *search, struct dmn_place place)
         search->heap[search->count++] = place;
         if (search->count == search->limit)
             for (size_t i = search->count / 2; i-- > 0;) sink(search->heap, search->count, i);
-    } else if (place.rank < search->heap[0].rank) {
+    } else if (by_rank(&place, &search->heap[0]) < 0) {
         search->heap[0] = place;
         sink(search->heap, search->count, 0);
     }
-}
-
-static int by_rank(const void *a, const void *b)
-{
-    const struct dmn_place *p = a, *q = b;
-
-    if (p->rank != q->rank) return p->rank < q->rank ? -1 : 1;
-    if (p->level != q->level) return q->level - p->level;
-    return p->index < q->index ? -1 : 1;
 }
 
 /* --- the walk

@@ -1,0 +1,312 @@
+/* What a client is sent next, without a ray: states in, places out. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "daemon.h"
+
+enum { WIDTH = 4096, HEIGHT = 2048, LEVELS = 6, LIMIT = 4096, PIXELS = RND_TILE * RND_TILE };
+
+static const float FORWARD[3] = {0, 0, -1};
+
+struct world {
+    struct dmn_pyramid pyramid;
+    struct rnd_tile *tiles;
+    bool *settled;
+    struct dmn_state *sent;
+    struct dmn_place places[LIMIT];
+    size_t count;
+};
+
+static struct world *make(int width, int height, int levels)
+{
+    struct world *world = calloc(1, sizeof(*world));
+
+    assert_non_null(world);
+    assert_true(dmn_pyramid_init(&world->pyramid, width, height, levels));
+    world->tiles = calloc(world->pyramid.count, sizeof(*world->tiles));
+    world->settled = calloc(world->pyramid.count, sizeof(*world->settled));
+    world->sent = calloc(world->pyramid.count, sizeof(*world->sent));
+    return world;
+}
+
+static int setup(void **state)
+{
+    *state = make(WIDTH, HEIGHT, LEVELS);
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    struct world *world = *state;
+
+    dmn_pyramid_finish(&world->pyramid);
+    free(world->tiles);
+    free(world->settled);
+    free(world->sent);
+    free(world);
+    return 0;
+}
+
+static void paint(struct world *world, uint64_t samples)
+{
+    size_t count = (size_t)world->pyramid.level[0].columns * world->pyramid.level[0].rows;
+
+    for (size_t i = 0; i < count; i++) world->tiles[i].samples = samples;
+}
+
+static void choose(struct world *world, const float gaze[3], size_t limit)
+{
+    dmn_pyramid_update(&world->pyramid, world->tiles, world->settled);
+    world->count = dmn_next(&world->pyramid, world->sent, gaze, limit, world->places);
+    assert_true(world->count <= limit);
+}
+
+static void send_all(struct world *world)
+{
+    for (size_t i = 0; i < world->count; i++)
+        world->sent[world->places[i].index] = world->pyramid.state[world->places[i].index];
+}
+
+/* Until there is no more to send; returns how many tiles that took. */
+static size_t send_until_done(struct world *world, const float gaze[3])
+{
+    size_t sent = 0;
+
+    for (choose(world, gaze, 64); world->count > 0; choose(world, gaze, 64)) {
+        send_all(world);
+        sent += world->count;
+        assert_true(sent < 20000);
+    }
+    return sent;
+}
+
+/* Is every level-0 tile under something that was sent, at this level or a finer one? */
+static bool covered(const struct world *world, int coarsest)
+{
+    for (int y = 0; y < world->pyramid.level[0].rows; y++)
+        for (int x = 0; x < world->pyramid.level[0].columns; x++) {
+            bool any = false;
+
+            for (int l = 0; l <= coarsest; l++) {
+                const struct dmn_level *level = &world->pyramid.level[l];
+
+                any |= world->sent[level->first + (size_t)(y >> l) * level->columns + (x >> l)].samples > 0;
+            }
+            if (!any) return false;
+        }
+    return true;
+}
+
+static void nothing_painted_nothing_sent(void **state)
+{
+    struct world *world = *state;
+
+    choose(world, FORWARD, LIMIT);
+    assert_int_equal(world->count, 0);
+}
+
+static void an_outline_is_sent_coarsest_first_and_whole(void **state)
+{
+    struct world *world = *state;
+
+    paint(world, DMN_OUTLINE_PATHS);
+    choose(world, FORWARD, LIMIT);
+    /* The two tiles of the last level, then the eight of the one before, which have a path a pixel. */
+    assert_int_equal(world->count, 10);
+    for (size_t i = 0; i < world->count; i++) assert_int_equal(world->places[i].level, i < 2 ? 5 : 4);
+    choose(world, FORWARD, 2);
+    send_all(world);
+    assert_true(covered(world, LEVELS - 1));
+}
+
+static void a_fine_picture_ends_fine_everywhere(void **state)
+{
+    struct world *world = *state;
+    size_t fine = (size_t)world->pyramid.level[0].columns * world->pyramid.level[0].rows;
+
+    paint(world, 2 * PIXELS);
+    /* Coarse levels once, then all of level 0, and nothing in between that it would hide at once. */
+    assert_int_equal(send_until_done(world, FORWARD), 2 + 8 + 32 + fine);
+    assert_true(covered(world, 0));
+}
+
+static void finer_tiles_follow_the_gaze(void **state)
+{
+    struct world *world = *state;
+    const float gaze[3] = {1, 0, 0};
+    double last = 0;
+
+    paint(world, 2 * PIXELS);
+    choose(world, gaze, 42);
+    send_all(world);
+    choose(world, gaze, 200);
+    assert_int_equal(world->count, 200);
+    for (size_t i = 0; i < world->count; i++) {
+        const float *centre = world->pyramid.centre[world->places[i].index];
+        double angle = acos(centre[0] * gaze[0] + centre[1] * gaze[1] + centre[2] * gaze[2]);
+
+        assert_int_equal(world->places[i].level, 0);
+        /* Ordered by the nearest edge; those that hold the gaze are in no order. */
+        assert_true(angle >= last - 0.08);
+        last = fmax(last, angle);
+    }
+    /* 200 of 2048 tiles near the horizon: all within sixty degrees. */
+    assert_true(last < 1.05);
+}
+
+static void the_best_few_are_the_head_of_all(void **state)
+{
+    struct world *world = *state;
+    struct dmn_place few[50];
+
+    paint(world, 2 * PIXELS);
+    for (size_t i = 0; i < world->pyramid.level[0].first + 700; i++)
+        world->tiles[i].samples += i % 7 * PIXELS;
+    choose(world, FORWARD, 50);
+    assert_int_equal(world->count, 50);
+    memcpy(few, world->places, sizeof(few));
+    choose(world, FORWARD, LIMIT);
+    assert_true(world->count > 50);
+    for (size_t i = 0; i < 50; i++) assert_int_equal(few[i].index, world->places[i].index);
+    choose(world, FORWARD, 0);
+    assert_int_equal(world->count, 0);
+}
+
+static void a_sparse_tile_is_sent_coarser(void **state)
+{
+    struct world *world = *state;
+
+    /* A quarter of a path a pixel: one a pixel at level 1. */
+    paint(world, PIXELS / 4);
+    send_until_done(world, FORWARD);
+    assert_true(covered(world, 1));
+    assert_int_equal(world->sent[0].samples, 0);
+}
+
+static void growth_sends_again_and_nothing_else_does(void **state)
+{
+    struct world *world = *state;
+
+    paint(world, 2 * PIXELS);
+    send_until_done(world, FORWARD);
+    world->tiles[700].samples = 3 * PIXELS - 1;
+    choose(world, FORWARD, LIMIT);
+    assert_int_equal(world->count, 0);
+    world->tiles[700].samples = 3 * PIXELS;
+    choose(world, FORWARD, LIMIT);
+    assert_int_equal(world->count, 1);
+    assert_int_equal(world->places[0].level, 0);
+    assert_int_equal(world->places[0].index, 700);
+    assert_int_equal(world->places[0].y * 64 + world->places[0].x, 700);
+    send_all(world);
+    choose(world, FORWARD, LIMIT);
+    assert_int_equal(world->count, 0);
+}
+
+static void a_settled_tile_is_sent_once(void **state)
+{
+    struct world *world = *state;
+
+    paint(world, 100 * PIXELS);
+    send_until_done(world, FORWARD);
+    /* The gaze comes and goes, and with it the mark: that alone is no news. */
+    world->settled[3] = true;
+    choose(world, FORWARD, LIMIT);
+    assert_int_equal(world->count, 0);
+    world->tiles[3].samples += 11 * PIXELS;
+    choose(world, FORWARD, LIMIT);
+    assert_int_equal(world->count, 1);
+    send_all(world);
+    world->tiles[3].samples += PIXELS;
+    choose(world, FORWARD, LIMIT);
+    assert_int_equal(world->count, 0);
+    world->tiles[3].converged = true;
+    choose(world, FORWARD, LIMIT);
+    assert_int_equal(world->count, 1);
+    send_all(world);
+    world->tiles[3].samples += PIXELS;
+    choose(world, FORWARD, LIMIT);
+    assert_int_equal(world->count, 0);
+}
+
+static void a_new_tile_goes_before_a_known_one(void **state)
+{
+    struct world *world = *state;
+
+    paint(world, 2 * PIXELS);
+    send_until_done(world, FORWARD);
+    /* Two tiles that touch the gaze, one of them lost to the client. */
+    size_t known = 15 * 64 + 31, fresh = 15 * 64 + 32;
+    world->tiles[known].samples = world->tiles[fresh].samples = 9 * PIXELS;
+    world->sent[fresh].samples = 0;
+    choose(world, FORWARD, LIMIT);
+    assert_int_equal(world->count, 2);
+    assert_int_equal(world->places[0].index, fresh);
+    assert_int_equal(world->places[1].index, known);
+}
+
+static void sizes_that_are_no_power_of_two(void **state)
+{
+    struct world *world = make(640, 320, 3);
+
+    (void)state;
+    assert_int_equal(world->pyramid.level[1].rows, 3);
+    assert_int_equal(world->pyramid.level[2].columns, 3);
+    assert_int_equal(world->pyramid.level[2].rows, 2);
+    paint(world, PIXELS);
+    dmn_pyramid_update(&world->pyramid, world->tiles, world->settled);
+    /* The last row of level 1 has two tiles of the film under it, not four. */
+    assert_int_equal(world->pyramid.state[world->pyramid.level[1].first + 2 * 5].samples, 2 * PIXELS);
+    send_until_done(world, FORWARD);
+    assert_true(covered(world, 0));
+    teardown((void **)&world);
+}
+
+static void every_film_gets_there_from_any_state(void **state)
+{
+    struct world *world = *state;
+
+    /* Paths that grow as a gaze wanders, an uneven picture, a slow client: at the end all is shown. */
+    srand(1);
+    for (int round = 0; round < 40; round++) {
+        float gaze[3];
+
+        rnd_direction((float)rand() / (float)RAND_MAX * 6 - 3, (float)rand() / (float)RAND_MAX * 3 - 1.5f,
+                      gaze);
+        for (int i = 0; i < 2048; i++)
+            if (rand() % 4 == 0) world->tiles[i].samples += (uint64_t)rand() % (3 * PIXELS);
+        choose(world, gaze, 8);
+        for (size_t i = 1; i < world->count; i++)
+            assert_true(world->places[i].rank >= world->places[i - 1].rank);
+        send_all(world);
+        /* Once the two coarsest went, nothing is ever black. */
+        if (round > 4) assert_true(covered(world, LEVELS - 1));
+    }
+    paint(world, 1000 * PIXELS);
+    send_until_done(world, FORWARD);
+    assert_true(covered(world, 0));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(nothing_painted_nothing_sent, setup, teardown),
+        cmocka_unit_test_setup_teardown(an_outline_is_sent_coarsest_first_and_whole, setup, teardown),
+        cmocka_unit_test_setup_teardown(a_fine_picture_ends_fine_everywhere, setup, teardown),
+        cmocka_unit_test_setup_teardown(finer_tiles_follow_the_gaze, setup, teardown),
+        cmocka_unit_test_setup_teardown(the_best_few_are_the_head_of_all, setup, teardown),
+        cmocka_unit_test_setup_teardown(a_sparse_tile_is_sent_coarser, setup, teardown),
+        cmocka_unit_test_setup_teardown(growth_sends_again_and_nothing_else_does, setup, teardown),
+        cmocka_unit_test_setup_teardown(a_settled_tile_is_sent_once, setup, teardown),
+        cmocka_unit_test_setup_teardown(a_new_tile_goes_before_a_known_one, setup, teardown),
+        cmocka_unit_test(sizes_that_are_no_power_of_two),
+        cmocka_unit_test_setup_teardown(every_film_gets_there_from_any_state, setup, teardown),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,253 @@
+/* What fovead makes of its command line, when a render is done, and the small things both programs share. */
+#include <fcntl.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "daemon.h"
+
+/* What a refusal says on stderr. */
+static char said[4096];
+
+static enum dmn_parsed parse(const char *line, struct dmn_options *out)
+{
+    char copy[512], *argv[40] = {"fovead"}, *save = NULL;
+    int argc = 1, kept = dup(STDERR_FILENO);
+    FILE *file = tmpfile();
+    enum dmn_parsed parsed;
+
+    /* Options keep pointers into the line. */
+    char *words = strdup(line);
+    snprintf(copy, sizeof(copy), "%s", line);
+    for (char *word = strtok_r(words, " ", &save); word; word = strtok_r(NULL, " ", &save))
+        argv[argc++] = word;
+    dup2(fileno(file), STDERR_FILENO);
+    parsed = dmn_options_parse(argc, argv, out);
+    fflush(stderr);
+    dup2(kept, STDERR_FILENO);
+    close(kept);
+    rewind(file);
+    said[fread(said, 1, sizeof(said) - 1, file)] = '\0';
+    fclose(file);
+    if (parsed != DMN_RUN) free(words);
+    return parsed;
+}
+
+static void run(const char *line, struct dmn_options *out)
+{
+    enum dmn_parsed parsed = parse(line, out);
+
+    if (parsed != DMN_RUN) fail_msg("%s: %s", line, said);
+}
+
+static void finish(struct dmn_options *options)
+{
+    /* The first word of the line is always --scene. */
+    free((char *)(uintptr_t)(options->scene.path - strlen("--scene ")));
+}
+
+static void defaults(void **state)
+{
+    struct dmn_options o;
+
+    (void)state;
+    run("--scene a.gltf", &o);
+    assert_string_equal(o.scene.path, "a.gltf");
+    assert_int_equal(o.render.width, 4096);
+    assert_int_equal(o.render.height, 2048);
+    assert_string_equal(o.gaze, "auto");
+    assert_string_equal(o.render.distribution->name, "fv");
+    assert_int_equal(o.listens, 1);
+    assert_true(o.listen[0].is_unix);
+    assert_int_equal(o.until.kind, DMN_UNTIL_STOPPED);
+    finish(&o);
+}
+
+static void a_final_picture(void **state)
+{
+    struct dmn_options o;
+
+    (void)state;
+    run("--scene a.gltf --until 256spp --save b.exr", &o);
+    assert_null(o.gaze);
+    assert_string_equal(o.render.distribution->name, "od");
+    assert_int_equal(o.listens, 0);
+    assert_int_equal(o.until.kind, DMN_UNTIL_PATHS);
+    assert_true(o.until.amount == 256);
+    finish(&o);
+    run("--scene a.gltf --until 2.5s --gaze synthetic:3", &o);
+    assert_string_equal(o.render.distribution->name, "fv");
+    finish(&o);
+    run("--scene a.gltf --until end", &o);
+    assert_string_equal(o.gaze, "auto");
+    finish(&o);
+    run("--scene a.gltf --clock virtual --gaze replay:x", &o);
+    assert_int_equal(o.until.kind, DMN_UNTIL_END);
+    assert_int_equal(o.listens, 0);
+    finish(&o);
+}
+
+static void everything_said(void **state)
+{
+    struct dmn_options o;
+
+    (void)state;
+    run("--scene a.obj --env e.hdr --sun -30,45.5,3,0.53 --eye -1,2,3.5 --gaze replay:g --speed 2 --loop "
+        "--mode vp "
+        "--fov 90,80 --size 1024x512 --threads 3 --seed 18446744073709551615 --bounces 7 --listen unix:/a/b "
+        "--listen tcp:127.0.0.1:9 --json",
+        &o);
+    assert_string_equal(o.scene.env_path, "e.hdr");
+    assert_true(o.scene.has_sun && o.scene.sun[0] == -30 && o.scene.sun[1] == 45.5f &&
+                o.scene.sun[3] == 0.53f);
+    assert_true(o.scene.has_eye && o.scene.eye[0] == -1 && o.scene.eye[2] == 3.5f);
+    assert_true(o.speed == 2 && o.loop && o.json);
+    assert_true(fabsf(o.fov[0] - (float)M_PI / 2) < 1e-6f);
+    assert_int_equal(o.render.width, 1024);
+    assert_int_equal(o.render.threads, 3);
+    assert_true(o.render.seed == UINT64_MAX);
+    assert_int_equal(o.render.max_bounces, 7);
+    assert_int_equal(o.listens, 2);
+    assert_int_equal(o.listen[1].port, 9);
+    finish(&o);
+}
+
+static void refused_with_one_line(void **state)
+{
+    static const char *const LINES[] = {
+        "",
+        "--scene",
+        "--scene a --nonsense",
+        "--scene a b",
+        "--scene a --size 1000x500",
+        "--scene a --size 4096x2047",
+        "--scene a --size 65536",
+        "--scene a --size 0",
+        "--scene a --size 128x",
+        "--scene a --sun 1,2,3",
+        "--scene a --sun 1,2,3,nan",
+        "--scene a --sun 1,95,3,0.5",
+        "--scene a --eye 1,2",
+        "--scene a --eye 1,2,3,4",
+        "--scene a --eye 1,,3",
+        "--scene a --threads 0",
+        "--scene a --threads -1",
+        "--scene a --threads 1e3",
+        "--scene a --seed 18446744073709551616",
+        "--scene a --bounces x",
+        "--scene a --speed -1",
+        "--scene a --speed inf",
+        "--scene a --mode nope",
+        "--scene a --fov 90,80",
+        "--scene a --mode vp --fov 90",
+        "--scene a --mode vp --fov 180,90",
+        "--scene a --until 5",
+        "--scene a --until 0spp",
+        "--scene a --until -3s",
+        "--scene a --until 5sppx",
+        "--scene a --until converged --mode fv",
+        "--scene a --until end --loop",
+        "--scene a --until end --gaze synthetic",
+        "--scene a --clock virtual --gaze pointer --until 1s",
+        "--scene a --clock slow",
+        "--scene a --until 1s --loop",
+        "--scene a --clock virtual --speed 2",
+        "--scene a --save b.png",
+        "--scene a --listen tcp:localhost",
+        "--scene a --json=1",
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof(LINES) / sizeof(*LINES); i++) {
+        struct dmn_options o;
+
+        if (parse(LINES[i], &o) != DMN_REFUSED) fail_msg("'%s' was not refused", LINES[i]);
+        if (strncmp(said, "fovead: ", 8) != 0 || strchr(said, '\n') != said + strlen(said) - 1)
+            fail_msg("'%s' is refused by: %s", LINES[i], said);
+    }
+}
+
+static void done(void **state)
+{
+    struct dmn_until until;
+    struct dmn_progress p = {.paths = 50, .pixels = 100, .seconds = 3, .tiles = 8, .converged = 2};
+
+    (void)state;
+    assert_true(dmn_until_parse("2spp", &until));
+    assert_true(dmn_until_share(&until, &p) == 0.25);
+    p.paths = 300;
+    assert_true(dmn_until_share(&until, &p) == 1);
+    assert_true(dmn_until_parse("6s", &until));
+    assert_true(dmn_until_share(&until, &p) == 0.5);
+    assert_true(dmn_until_parse("converged", &until));
+    assert_true(dmn_until_share(&until, &p) == 0.25);
+    assert_true(dmn_until_parse("end", &until));
+    assert_true(dmn_until_share(&until, &p) == 0);
+    p.gaze_ended = true;
+    assert_true(dmn_until_share(&until, &p) == 1);
+    assert_true(dmn_until_share(&(struct dmn_until){0}, &p) == 0);
+}
+
+static void directions(void **state)
+{
+    static const double ANGLES[][2] = {{0, 0}, {90, 0}, {-120, 45}, {30, -80}, {179, 10}};
+
+    (void)state;
+    for (size_t i = 0; i < sizeof(ANGLES) / sizeof(*ANGLES); i++) {
+        float d[3], q[4], turned[3], t[3];
+        double yaw, pitch;
+
+        rnd_direction((float)(ANGLES[i][0] * M_PI / 180), (float)(ANGLES[i][1] * M_PI / 180), d);
+        dmn_angles(d, &yaw, &pitch);
+        assert_true(fabs(yaw - ANGLES[i][0]) < 1e-3 && fabs(pitch - ANGLES[i][1]) < 1e-3);
+        /* The view's forward, -Z, turned by the quaternion, is the direction: v + 2 q x (q x v + w v). */
+        dmn_orientation(d, q);
+        for (int c = 0; c < 3; c++) t[c] = 0;
+        t[0] = -q[1], t[1] = q[0], t[2] = -q[3];
+        turned[0] = 2 * (q[1] * t[2] - q[2] * t[1]);
+        turned[1] = 2 * (q[2] * t[0] - q[0] * t[2]);
+        turned[2] = -1 + 2 * (q[0] * t[1] - q[1] * t[0]);
+        for (int c = 0; c < 3; c++) assert_true(fabsf(turned[c] - d[c]) < 1e-5f);
+    }
+}
+
+static void percentiles(void **state)
+{
+    struct dmn_histogram *h = calloc(1, sizeof(*h));
+
+    (void)state;
+    assert_true(dmn_histogram_quantile(h, 0.5) == 0);
+    for (int i = 1; i <= 1000; i++) dmn_histogram_add(h, i * 1e-4);
+    for (int p = 1; p < 100; p++) {
+        double found = dmn_histogram_quantile(h, p / 100.0);
+
+        assert_true(fabs(found / (p * 1e-3) - 1) < 0.03);
+    }
+    /* Nothing is too short or too long to count. */
+    dmn_histogram_add(h, -1);
+    dmn_histogram_add(h, 1e9);
+    dmn_histogram_add(h, NAN);
+    assert_int_equal(h->count, 1003);
+    free(h);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(defaults),
+        cmocka_unit_test(a_final_picture),
+        cmocka_unit_test(everything_said),
+        cmocka_unit_test(refused_with_one_line),
+        cmocka_unit_test(done),
+        cmocka_unit_test(directions),
+        cmocka_unit_test(percentiles),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
