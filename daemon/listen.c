@@ -79,16 +79,6 @@ static bool listen_unix(struct dmn_listener *listener, char out_error[PRO_ERROR_
     return true;
 }
 
-static void note_port(struct dmn_listener *listener)
-{
-    struct sockaddr_storage name;
-    socklen_t size = sizeof(name);
-
-    if (getsockname(listener->fd, (struct sockaddr *)&name, &size)) return;
-    if (name.ss_family == AF_INET) listener->address.port = ntohs(((struct sockaddr_in *)&name)->sin_port);
-    if (name.ss_family == AF_INET6) listener->address.port = ntohs(((struct sockaddr_in6 *)&name)->sin6_port);
-}
-
 static bool listen_tcp(struct dmn_listener *listener, char out_error[PRO_ERROR_SIZE])
 {
     const struct pro_address *address = &listener->address;
@@ -118,7 +108,6 @@ static bool listen_tcp(struct dmn_listener *listener, char out_error[PRO_ERROR_S
     freeaddrinfo(found);
     if (listener->fd < 0)
         return fail(address, out_error, "%s", cause == EADDRINUSE ? "the port is in use" : strerror(cause));
-    note_port(listener);
     return true;
 }
 

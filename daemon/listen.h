@@ -7,10 +7,10 @@
 #include "protocol.h"
 
 struct dmn_listener {
-    struct pro_address address; /* of a TCP socket with port 0: the port that it got */
-    int fd;                     /* non-blocking */
-    const char *token;          /* clients must know it; NULL if none is needed */
-    dev_t device;               /* of a Unix socket, so that only our own is removed */
+    struct pro_address address;
+    int fd;            /* non-blocking */
+    const char *token; /* clients must know it; NULL if none is needed */
+    dev_t device;      /* of a Unix socket, so that only our own is removed */
     ino_t inode;
 };
 

@@ -1,0 +1,13 @@
+# End-to-end tests: the real programs, run by scripts, with what scripts cannot do as small programs.
+foreach(program hostile notified picture port)
+  add_executable(e2e_${program} e2e/${program}.c)
+endforeach()
+target_link_libraries(e2e_hostile PRIVATE protocol)
+target_link_libraries(e2e_picture PRIVATE renderer m)
+
+foreach(name bad_input hostile shutdown steer until virtual)
+  add_test(NAME e2e_${name} COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/e2e/${name}.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
+  set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" TIMEOUT 600)
+endforeach()
+# What has clients and threads at once is for the thread sanitizer too.
+set_tests_properties(e2e_hostile e2e_shutdown e2e_steer e2e_virtual PROPERTIES LABELS "e2e;threads")

@@ -1,0 +1,113 @@
+# For the end-to-end tests: sh TEST.sh PROGRAMS SOURCE, where PROGRAMS is the build directory. Each runs in a directory
+# of its own, which is removed; the real programs are run, and every failure says what was expected.
+set -eu
+programs=$1
+source=$2
+fovead=$programs/fovead
+foveactl=$programs/foveactl
+place=$(mktemp -d)
+cd "$place"
+export XDG_RUNTIME_DIR="$place"
+unset FOVEAD_TOKEN NOTIFY_SOCKET
+daemon=
+
+finish() {
+    status=$?
+    [ -z "$daemon" ] || kill -9 "$daemon" 2>/dev/null || true
+    [ "$status" = 0 ] || ! [ -f daemon.err ] || sed 's/^/daemon: /' daemon.err >&2
+    cd /
+    rm -rf "$place"
+    exit "$status"
+}
+trap finish EXIT
+
+fail() {
+    printf 'FAIL: %s\n' "$*" >&2
+    exit 1
+}
+
+# A box of 4 m with a light under the ceiling, seen from its middle.
+make_room() {
+    cat >room.mtl <<'END'
+newmtl wall
+Kd 0.6 0.6 0.6
+newmtl red
+Kd 0.7 0.1 0.1
+newmtl lamp
+Kd 0 0 0
+Ke 12 12 12
+END
+    cat >room.obj <<'END'
+mtllib room.mtl
+v -2 -2 -2
+v 2 -2 -2
+v 2 2 -2
+v -2 2 -2
+v -2 -2 2
+v 2 -2 2
+v 2 2 2
+v -2 2 2
+v -0.5 1.99 -0.5
+v 0.5 1.99 -0.5
+v 0.5 1.99 0.5
+v -0.5 1.99 0.5
+usemtl wall
+f 1 2 3 4
+f 5 8 7 6
+f 1 5 6 2
+f 4 3 7 8
+usemtl red
+f 1 4 8 5
+f 2 6 7 3
+usemtl lamp
+f 9 10 11 12
+END
+}
+
+# The first second of the recording.
+make_log() {
+    head -n 122 "$source/fixtures/hall.gaze" >short.gaze
+}
+
+# start OPTION...: a daemon, ready; its lines are in daemon.out and daemon.err.
+start() {
+    rm -f daemon.out daemon.err
+    "$fovead" "$@" >daemon.out 2>daemon.err &
+    daemon=$!
+    tries=0
+    until grep -qs '^fovead: ready$' daemon.out daemon.err; do
+        kill -0 "$daemon" 2>/dev/null || fail "the daemon did not start: $*"
+        tries=$((tries + 1))
+        [ "$tries" -lt 600 ] || fail "the daemon is not ready after a minute: $*"
+        sleep 0.1
+    done
+}
+
+# stop [SIGNAL]: the daemon must end in order.
+stop() {
+    kill "-${1:-TERM}" "$daemon"
+    wait "$daemon" || fail "the daemon ended with status $?"
+    daemon=
+}
+
+# refused WORD COMMAND...: must fail, promptly, with one line on stderr that holds WORD.
+refused() {
+    word=$1
+    shift
+    status=0
+    timeout 60 "$@" >refused.out 2>refused.err </dev/null || status=$?
+    case $status in
+    1 | 2) ;;
+    *) fail "status $status, where 1 or 2 was expected: $* $(cat refused.err)" ;;
+    esac
+    [ "$(wc -l <refused.err)" = 1 ] && [ "$(tail -c 1 refused.err | wc -l)" = 1 ] ||
+        fail "not one line on stderr: $*: $(cat refused.err)"
+    grep -qF -e "$word" refused.err || fail "'$word' is not in the line of $*: $(cat refused.err)"
+}
+
+# number KEY FILE: the whole number of that key in a JSON file.
+number() {
+    found=$(sed -n "s/.*\"$1\": \([0-9]*\).*/\1/p" "$2")
+    [ -n "$found" ] || fail "no $1 in $2: $(cat "$2")"
+    echo "$found"
+}

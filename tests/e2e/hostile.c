@@ -1,0 +1,157 @@
+/* A client that misbehaves in one way, named by its argument, and then waits for what the daemon does about
+ * it. Status 0 if that is right: dropped, or for a deaf client kept. */
+#include <errno.h>
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "protocol.h"
+
+/* The daemon waits five seconds for what is late; a loaded machine is forgiven more. */
+enum { PATIENCE_MS = 30000 };
+
+static int dial(const char *path)
+{
+    struct sockaddr_un name = {.sun_family = AF_UNIX};
+    int fd = socket(AF_UNIX, SOCK_STREAM, 0);
+
+    snprintf(name.sun_path, sizeof(name.sun_path), "%s", path);
+    if (fd < 0 || connect(fd, (struct sockaddr *)&name, sizeof(name))) {
+        perror(path);
+        exit(2);
+    }
+    return fd;
+}
+
+static void put(int fd, const void *bytes, size_t count)
+{
+    /* A daemon that has already hung up is what is wanted. */
+    if (send(fd, bytes, count, MSG_NOSIGNAL) < 0 && errno != EPIPE && errno != ECONNRESET) perror("send");
+}
+
+static void say(int fd, Fovea__Message__BodyCase body, void *content)
+{
+    Fovea__Message message = FOVEA__MESSAGE__INIT;
+    size_t count;
+    uint8_t *frame;
+
+    message.body_case = body;
+    message.hello = content;
+    frame = pro_pack(&message, 0, &count);
+    put(fd, frame, count);
+    free(frame);
+}
+
+static void hello(int fd, Fovea__Encoding tiles, uint32_t version)
+{
+    Fovea__Hello body = FOVEA__HELLO__INIT;
+
+    body.version = version;
+    body.client = "hostile";
+    body.tiles = tiles;
+    body.window = 1024;
+    say(fd, FOVEA__MESSAGE__BODY_HELLO, &body);
+}
+
+/* 0 once the daemon has closed the connection; what it says before is let go. */
+static int dropped(int fd)
+{
+    struct pollfd wait = {.fd = fd, .events = POLLIN};
+    char bytes[65536];
+
+    while (poll(&wait, 1, PATIENCE_MS) > 0)
+        if (recv(fd, bytes, sizeof(bytes), 0) <= 0) return 0;
+    fprintf(stderr, "still connected after %d ms\n", PATIENCE_MS);
+    return 1;
+}
+
+static int noise(int fd)
+{
+    uint8_t bytes[100000];
+
+    srand(7);
+    for (size_t i = 0; i < sizeof(bytes); i++) bytes[i] = (uint8_t)(rand() >> 7);
+    put(fd, bytes, sizeof(bytes));
+    return dropped(fd);
+}
+
+static int length(int fd, const char *bytes)
+{
+    put(fd, bytes, 4);
+    return dropped(fd);
+}
+
+/* Asks for everything and reads nothing: it must be left alone, and cost nobody anything. */
+static int deaf(int fd)
+{
+    struct pollfd wait = {.fd = fd, .events = 0};
+
+    hello(fd, FOVEA__ENCODING__ENCODING_HALF_ZSTD, PRO_VERSION);
+    poll(&wait, 1, 8000);
+    if (!(wait.revents & (POLLHUP | POLLERR))) return 0;
+    fprintf(stderr, "a client that does not read was dropped\n");
+    return 1;
+}
+
+/* Asks without end and reads nothing: dropped, or not listened to any more; either way it takes no memory. */
+static int flood(int fd)
+{
+    struct timeval patience = {.tv_sec = 3};
+    Fovea__Ping ping = FOVEA__PING__INIT;
+    Fovea__Message message = FOVEA__MESSAGE__INIT;
+    size_t count;
+    uint8_t *frame;
+    ssize_t sent;
+
+    hello(fd, FOVEA__ENCODING__ENCODING_NONE, PRO_VERSION);
+    setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof(patience));
+    message.body_case = FOVEA__MESSAGE__BODY_PING;
+    message.ping = &ping;
+    frame = pro_pack(&message, 0, &count);
+    do sent = send(fd, frame, count, MSG_NOSIGNAL);
+    while (sent == (ssize_t)count);
+    free(frame);
+    return 0;
+}
+
+static int wrong(int fd, const char *how)
+{
+    Fovea__Acknowledge acknowledge = FOVEA__ACKNOWLEDGE__INIT;
+    Fovea__Welcome welcome = FOVEA__WELCOME__INIT;
+    Fovea__View view = FOVEA__VIEW__INIT;
+    float nothing[4] = {0, 0, 0, 0};
+
+    if (!strcmp(how, "version")) hello(fd, FOVEA__ENCODING__ENCODING_NONE, 99);
+    if (!strcmp(how, "encoding")) hello(fd, (Fovea__Encoding)77, PRO_VERSION);
+    if (!strcmp(how, "half") || !strcmp(how, "serial") || !strcmp(how, "welcome") || !strcmp(how, "view"))
+        hello(fd, FOVEA__ENCODING__ENCODING_NONE, PRO_VERSION);
+    acknowledge.serial = 1000000;
+    if (!strcmp(how, "serial") || !strcmp(how, "early"))
+        say(fd, FOVEA__MESSAGE__BODY_ACKNOWLEDGE, &acknowledge);
+    if (!strcmp(how, "welcome")) say(fd, FOVEA__MESSAGE__BODY_WELCOME, &welcome);
+    view.n_orientation = 4;
+    view.orientation = nothing;
+    view.fov_x = view.fov_y = 1;
+    if (!strcmp(how, "view")) say(fd, FOVEA__MESSAGE__BODY_VIEW, &view);
+    if (!strcmp(how, "half")) put(fd, "\0\0\0\100half", 8);
+    return dropped(fd); /* "silent" has said nothing at all */
+}
+
+int main(int argc, char **argv)
+{
+    int fd;
+
+    if (argc != 3) return 2;
+    fd = dial(argv[1]);
+    if (!strcmp(argv[2], "noise")) return noise(fd);
+    if (!strcmp(argv[2], "huge")) return length(fd, "\200\0\0\0");
+    if (!strcmp(argv[2], "over")) return length(fd, "\0\1\0\1");
+    if (!strcmp(argv[2], "zero")) return length(fd, "\0\0\0\0");
+    if (!strcmp(argv[2], "deaf")) return deaf(fd);
+    if (!strcmp(argv[2], "flood")) return flood(fd);
+    return wrong(fd, argv[2]);
+}

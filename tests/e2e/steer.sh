@@ -1,0 +1,56 @@
+#!/bin/sh
+# What a client can do: look, freeze, take pictures, have the film saved; over a Unix socket and over TCP.
+. "$(dirname "$0")/common.sh"
+make_room
+make_log
+tcp=tcp:localhost:$("$programs/e2e_port")
+start --scene room.obj --size 1024x512 --gaze pointer --listen "unix:$place/fovead.sock" --listen "$tcp"
+
+# No picture is whole without the outline, and none is black.
+"$foveactl" snapshot whole.png
+"$foveactl" snapshot whole.exr --settle 0.2 --connect "$tcp"
+"$foveactl" snapshot ahead.jpg --view -30,10,90 --size 200x100 --json >ahead.json
+grep -q '"view_deg": \[' ahead.json || fail "$(cat ahead.json)"
+refused gaze "$foveactl" snapshot gaze.png --view gaze,60
+"$programs/e2e_picture" whole.png 1024 512
+"$programs/e2e_picture" whole.exr 1024 512
+"$programs/e2e_picture" ahead.jpg 200 100
+
+# The gaze goes where it is sent, and the picture is finest there.
+"$foveactl" look -90,0
+"$foveactl" watch --json --for 1.5 >watch.json
+grep -A 1 '"gaze_deg"' watch.json | grep -q -e '-\(90.0\|89.9\)' || fail "the gaze is elsewhere: $(cat watch.json)"
+[ "$(number bytes_received watch.json)" -gt 10000 ] || fail "no tiles"
+[ "$(sed -n '/"latency"/,$p' watch.json | sed -n 's/.*"count": //p' | head -n 1 | tr -d ,)" -ge 1 ] ||
+    fail "no latency: $(cat watch.json)"
+"$foveactl" snapshot gaze.png --view gaze,60 >view.txt
+grep -q -e '-90.0 degrees right' view.txt || fail "$(cat view.txt)"
+
+"$foveactl" freeze
+"$foveactl" stats --json | grep -q '"frozen": true' || fail "not frozen"
+"$foveactl" --connect "$tcp" unfreeze
+"$foveactl" stats --json | grep -q '"frozen": false' || fail "still frozen"
+"$foveactl" stats | grep -q 'mode fv' || fail "no table"
+
+# Only this user's clients have files written; relative names are the client's.
+"$foveactl" save saved.exr | grep -qF "$place/saved.exr" || fail "not told where"
+"$programs/e2e_picture" saved.exr 1024 512
+refused socket "$foveactl" save tcp.exr --connect "$tcp"
+[ ! -e tcp.exr ] || fail "a client over TCP had a file written"
+refused no/such "$foveactl" save no/such/folder.exr
+refused .exr "$foveactl" save saved.png
+mkdir taken.exr
+refused taken.exr "$foveactl" save taken.exr
+
+"$foveactl" samples saved.exr samples.png --gaze short.gaze
+"$programs/e2e_picture" samples.png 1024 512
+refused samples "$foveactl" samples whole.exr samples.png
+stop
+[ "$(wc -l <daemon.err)" = 0 ] || fail "the daemon complains: $(cat daemon.err)"
+
+# A gaze that is recorded does not listen to a pointer, and its end is told.
+start --scene room.obj --size 256x128 --gaze replay:short.gaze
+refused replay "$foveactl" look 10,10
+timeout 30 "$foveactl" watch --until-finished --json >watch.json || fail "watch does not end with the recording"
+grep -q '"finished": true' watch.json || fail "$(cat watch.json)"
+stop
