@@ -46,13 +46,12 @@ static inline double stat_chi_square_tail(double chi_square, double degrees_of_f
 }
 
 /* p of the hypothesis that counts[n] were drawn with expected[n] (same sum). Cells that expect fewer than ten
- * are put together. A count where none is expected gives 0. */
+ * are put together, and if even so they expect fewer, left out. */
 static inline double stat_chi_square_p(const double *counts, const double *expected, size_t n)
 {
     double chi = 0.0, rest_count = 0.0, rest_expected = 0.0;
     int cells = 0;
     for (size_t i = 0; i < n; i++) {
-        if (expected[i] <= 0.0 && counts[i] > 0.0) return 0.0;
         if (expected[i] < 10.0) {
             rest_count += counts[i];
             rest_expected += expected[i];
