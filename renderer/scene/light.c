@@ -88,20 +88,21 @@ float rnd_env_pdf(const struct rnd_env *env, vec3s direction)
 
 /* --- sun --- */
 
+/* 1 - cos of the radius: exact, since the cosine is above one half. */
+static float sun_cap(const struct rnd_sun *sun)
+{
+    return 1.0f - sun->cos_radius;
+}
+
 void rnd_sun_init(struct rnd_sun *sun, const float options[4])
 {
     rnd_direction(glm_rad(options[0]), glm_rad(options[1]), sun->direction.raw);
-    const float radius = glm_rad(options[3]) * 0.5f, s = sinf(radius);
-    sun->cos_radius = options[3] > 0.0f ? cosf(radius) : 1.0f;
-    const float value = options[3] > 0.0f ? options[2] / ((float)M_PI * s * s) : options[2];
+    sun->cos_radius = cosf(glm_rad(options[3]) * 0.5f);
+    /* The cosine of so small a radius is rounded, to 1 below 0.03 degrees: the radiance is that of the disc
+     * as it then is, so that the irradiance is as asked for. */
+    const float cap = sun_cap(sun), sin2 = cap * (2.0f - cap);
+    const float value = cap > 0.0f ? options[2] / ((float)M_PI * sin2) : options[2];
     sun->radiance = (vec3s){{value, value, value}};
-}
-
-/* 1 - cos of the radius, without the cancellation. */
-static float sun_cap(const struct rnd_sun *sun)
-{
-    const float s2 = 1.0f - sun->cos_radius * sun->cos_radius;
-    return s2 / (1.0f + sun->cos_radius);
 }
 
 float rnd_sun_pdf(const struct rnd_sun *sun)
