@@ -164,34 +164,45 @@ const struct trk_log_format trk_log_own = {
 /* --- writing -------------------------------------------------------------------------------------------- */
 
 /* The fewest digits, up to the nine that always suffice, that read back as the same float. */
-static void write_float(FILE *file, float value)
+static size_t print_float(char *out, size_t size, float value)
 {
-    char text[32];
+    int length = 0;
     for (int digits = 6; digits <= 9; digits++) {
-        snprintf(text, sizeof text, "%.*g", digits, (double)value);
-        if (strtof(text, NULL) == value) break;
+        length = snprintf(out, size, "%c%.*g", SEPARATOR, digits, (double)value);
+        if (strtof(out + 1, NULL) == value) break;
     }
-    fputs(text, file);
+    return (size_t)length;
+}
+
+size_t trk_own_header(char out_text[TRK_LINE_SIZE])
+{
+    size_t length = (size_t)snprintf(out_text, TRK_LINE_SIZE, MAGIC VERSION "\n");
+    for (int i = 0; i < WHOLE + COLUMNS; i++)
+        length += (size_t)snprintf(out_text + length, TRK_LINE_SIZE - length, "%s%c", column_name(i),
+                                   i < WHOLE + COLUMNS - 1 ? SEPARATOR : '\n');
+    return length;
+}
+
+size_t trk_own_row(const struct trk_sample *sample, char out_text[TRK_LINE_SIZE])
+{
+    size_t length = (size_t)snprintf(out_text, TRK_LINE_SIZE, "%" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu32,
+                                     sample->sequence, sample->device_ns, sample->arrival_ns, sample->valid);
+    for (int i = 0; i < COLUMNS; i++) {
+        float value = 0;
+        if (sample->valid & columns[i].bit)
+            memcpy(&value, (const char *)sample + columns[i].offset, sizeof value);
+        length += print_float(out_text + length, TRK_LINE_SIZE - length, value);
+    }
+    out_text[length++] = '\n'; /* 80 digits and 29 floats of 16 bytes leave room in a line of 4096 */
+    out_text[length] = '\0';
+    return length;
 }
 
 static void write_rows(FILE *file, const struct trk_log *log)
 {
-    fputs(MAGIC VERSION "\n", file);
-    for (int i = 0; i < WHOLE + COLUMNS; i++) fprintf(file, "%s%s", i ? " " : "", column_name(i));
-    fputc('\n', file);
-    for (size_t i = 0; i < log->count; i++) {
-        const struct trk_sample *sample = &log->samples[i];
-        fprintf(file, "%" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu32, sample->sequence, sample->device_ns,
-                sample->arrival_ns, sample->valid);
-        for (int k = 0; k < COLUMNS; k++) {
-            float value = 0;
-            if (sample->valid & columns[k].bit)
-                memcpy(&value, (const char *)sample + columns[k].offset, sizeof value);
-            fputc(SEPARATOR, file);
-            write_float(file, value);
-        }
-        fputc('\n', file);
-    }
+    char text[TRK_LINE_SIZE];
+    fwrite(text, 1, trk_own_header(text), file);
+    for (size_t i = 0; i < log->count; i++) fwrite(text, 1, trk_own_row(&log->samples[i], text), file);
 }
 
 /* Written beside its place and renamed, so that a reader never sees half a log. */

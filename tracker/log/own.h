@@ -25,4 +25,8 @@
 
 extern const struct trk_log_format trk_log_own;
 
+/* The first two lines, and the line of one sample, as they stand in a file. Each returns its length. */
+size_t trk_own_header(char out_text[TRK_LINE_SIZE]);
+size_t trk_own_row(const struct trk_sample *sample, char out_text[TRK_LINE_SIZE]);
+
 #endif
