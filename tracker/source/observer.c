@@ -3,6 +3,7 @@
 
 #include <cglm/cglm.h>
 #include <math.h>
+#include <string.h>
 
 /* Fixations last lognormally: mean 275 ms, the middle of the usual 250 to 300 ms of scene viewing. */
 static const double fixation_mean_s = 0.275, fixation_sigma = 0.4;
@@ -11,6 +12,7 @@ static const double fixation_mean_s = 0.275, fixation_sigma = 0.4;
 static const double saccade_eta = 600, saccade_c = 6;
 /* The closed form never quite starts or ends; 25 ms outside it is within 0.02 degrees of its ends. */
 static const double saccade_tail_s = 0.025;
+static const double onset_deg_s = 30;
 
 /* Saccade amplitudes: exponential with a mean of 5 to 8 degrees in free viewing, rarely beyond 30. */
 static const double amplitude_mean_deg = 6.5, amplitude_max_deg = 30;
@@ -86,7 +88,7 @@ static double between(struct trk_observer *o, double low, double high)
 /* One sample's step of an Ornstein-Uhlenbeck process about zero with this rms and time constant. */
 static double wander(struct trk_observer *o, double value, double rms, double time_s)
 {
-    double keep = exp(-1 / (time_s * TRK_OBSERVER_HZ));
+    double keep = exp(-1 / (time_s * o->rate_hz));
     return value * keep + rms * sqrt(1 - keep * keep) * normal(o);
 }
 
@@ -151,12 +153,31 @@ double trk_saccade_s(double amplitude_deg)
     return amplitude_deg / saccade_eta + 2 * saccade_tail_s;
 }
 
-static void gaze_at(struct trk_observer *o, double t_s, vec3 out)
+/* When the eye first moves at 30 deg/s, the usual threshold (Tobii XR Ocumen), after the start of the closed
+ * form, whose ends are slow. Halved down to a microsecond; the middle is where it is fastest. */
+static double saccade_onset_s(double amplitude_deg)
 {
+    double low = 0, high = 0.5 * trk_saccade_s(amplitude_deg);
+    while (high - low > 1e-6) {
+        double t = 0.5 * (low + high), step = 1e-6;
+        double speed = (trk_saccade_deg(amplitude_deg, t + step) - trk_saccade_deg(amplitude_deg, t)) / step;
+        if (speed < onset_deg_s)
+            low = t;
+        else
+            high = t;
+    }
+    return high;
+}
+
+static void gaze_at(const struct trk_observer *o, double t_s, vec3 out)
+{
+    vec3 fixation, tangent; /* copies: cglm takes no const */
+    memcpy(fixation, o->fixation, sizeof fixation);
+    memcpy(tangent, o->tangent, sizeof tangent);
     if (o->is_saccade)
-        along_arc(o->fixation, o->tangent, trk_saccade_deg(o->amplitude_deg, t_s - o->phase_start_s), out);
+        along_arc(fixation, tangent, trk_saccade_deg(o->amplitude_deg, t_s - o->phase_start_s), out);
     else
-        displace(o->fixation, o->offset_deg, out);
+        displace(fixation, o->offset_deg, out);
 }
 
 static void begin_fixation(struct trk_observer *o)
@@ -218,14 +239,15 @@ static void begin_saccade(struct trk_observer *o)
     send_head(o, target);
     glm_vec3_copy(from, o->fixation);
     o->is_saccade = true;
+    o->saccade_number++;
     o->phase_start_s = o->phase_end_s;
     o->phase_end_s += trk_saccade_s(o->amplitude_deg);
 }
 
 static void drift(struct trk_observer *o)
 {
-    double step_deg = sqrt(2 * drift_arcmin2_per_s / TRK_OBSERVER_HZ) / 60;
-    bool back = uniform(o) < microsaccade_hz / TRK_OBSERVER_HZ;
+    double step_deg = sqrt(2 * drift_arcmin2_per_s / o->rate_hz) / 60;
+    bool back = uniform(o) < microsaccade_hz / o->rate_hz;
     for (int i = 0; i < 2; i++)
         o->offset_deg[i] =
             back ? 0.5 * microsaccade_deg * normal(o) : o->offset_deg[i] + step_deg * normal(o);
@@ -234,7 +256,7 @@ static void drift(struct trk_observer *o)
 /* One sample's step of the critically damped approach to the target, exact for any step. */
 static void turn_head(struct trk_observer *o)
 {
-    double dt = 1.0 / TRK_OBSERVER_HZ, decay = exp(-head_rate * dt);
+    double dt = 1.0 / o->rate_hz, decay = exp(-head_rate * dt);
     for (int i = 0; i < 2; i++) {
         double error = o->head_deg[i] - o->head_target_deg[i];
         double slope = o->head_speed[i] + head_rate * error;
@@ -276,7 +298,7 @@ static void round_vector(vec3 v, double steps, float out[3])
 /* Eyes look in parallel, since a panorama is far away; each has noise of its own, and their mean has less. */
 static void measure_gaze(struct trk_observer *o, vec3 gaze, double openness, struct trk_sample *sample)
 {
-    double eye_noise_deg = 0.5 * M_SQRT2 * noise_s2s_deg;
+    double eye_noise_deg = 0.5 * M_SQRT2 * o->noise_s2s_deg;
     vec3 combined = GLM_VEC3_ZERO_INIT;
     for (int i = 0; i < 2; i++) {
         struct trk_eye *eye = &sample->eye[i];
@@ -306,17 +328,54 @@ static void measure_head(versor head, struct trk_sample *sample)
 
 void trk_observer_init(struct trk_observer *observer, uint64_t seed)
 {
-    *observer = (struct trk_observer){.random = seed, .fixation = {0, 0, -1}};
+    trk_observer_init_with(observer, seed, TRK_OBSERVER_HZ, noise_s2s_deg, bias_rms_deg);
+}
+
+void trk_observer_init_with(struct trk_observer *observer, uint64_t seed, uint64_t rate_hz, double s2s_deg,
+                            double bias_deg)
+{
+    *observer = (struct trk_observer){.random = seed,
+                                      .rate_hz = rate_hz,
+                                      .noise_s2s_deg = s2s_deg,
+                                      .bias_rms_deg = bias_deg,
+                                      .fixation = {0, 0, -1}};
     observer->sweep = uniform(observer) < 0.5 ? -1 : 1;
-    for (int i = 0; i < 2; i++) observer->bias_deg[i] = bias_rms_deg * M_SQRT1_2 * normal(observer);
+    for (int i = 0; i < 2; i++) observer->bias_deg[i] = bias_deg * M_SQRT1_2 * normal(observer);
     observer->pupil_mm = pupil_mean_mm;
     begin_fixation(observer);
+}
+
+/* What shows of the eye at this time; openness is 1 where a drop-out hides it. */
+static bool is_hidden(const struct trk_observer *o, double t_s, double *out_openness)
+{
+    *out_openness = 1;
+    if (t_s >= o->dropout_start_s && t_s < o->dropout_start_s + o->dropout_length_s) return true;
+    *out_openness = openness_at(o, t_s);
+    return *out_openness < hidden_openness;
+}
+
+void trk_observer_truth(const struct trk_observer *o, struct trk_truth *out_truth)
+{
+    double t_s = (double)(o->tick - 1) / (double)o->rate_hz, openness;
+    vec3 gaze;
+    gaze_at(o, t_s, gaze);
+    *out_truth = (struct trk_truth){.is_saccade = o->is_saccade && o->amplitude_deg > 0,
+                                    .amplitude_deg = o->is_saccade ? o->amplitude_deg : 0,
+                                    .is_hidden = is_hidden(o, t_s, &openness)};
+    out_truth->is_blink = out_truth->is_hidden && openness < 1;
+    memcpy(out_truth->direction, gaze, sizeof out_truth->direction);
+    if (!out_truth->is_saccade) return;
+    out_truth->saccade_number = o->saccade_number;
+    out_truth->onset_s = o->phase_start_s + saccade_onset_s(o->amplitude_deg);
+    out_truth->end_s = o->phase_start_s + o->phase_end_s - out_truth->onset_s;
+    gaze_at(o, o->phase_end_s, gaze);
+    memcpy(out_truth->landing, gaze, sizeof out_truth->landing);
 }
 
 void trk_observer_next(struct trk_observer *o, struct trk_sample *out_sample)
 {
     uint64_t tick = o->tick++;
-    double t_s = (double)tick / TRK_OBSERVER_HZ;
+    double t_s = (double)tick / o->rate_hz;
     while (o->phase_end_s <= t_s) {
         if (o->is_saccade)
             begin_fixation(o);
@@ -330,13 +389,12 @@ void trk_observer_next(struct trk_observer *o, struct trk_sample *out_sample)
     renew(o, t_s, dropout_period_s, 0, dropout_min_s, dropout_max_s, &o->dropout_start_s,
           &o->dropout_length_s);
     for (int i = 0; i < 2; i++)
-        o->bias_deg[i] = wander(o, o->bias_deg[i], bias_rms_deg * M_SQRT1_2, bias_time_s);
+        o->bias_deg[i] = wander(o, o->bias_deg[i], o->bias_rms_deg * M_SQRT1_2, bias_time_s);
     o->pupil_mm = pupil_mean_mm + wander(o, o->pupil_mm - pupil_mean_mm, pupil_rms_mm, pupil_time_s);
 
     *out_sample = (struct trk_sample){
         .sequence = tick + 1,
-        .device_ns =
-            tick / TRK_OBSERVER_HZ * 1000000000 + tick % TRK_OBSERVER_HZ * 1000000000 / TRK_OBSERVER_HZ,
+        .device_ns = tick / o->rate_hz * 1000000000 + tick % o->rate_hz * 1000000000 / o->rate_hz,
         .valid = TRK_HEAD,
     };
     out_sample->arrival_ns = out_sample->device_ns;
@@ -345,9 +403,9 @@ void trk_observer_next(struct trk_observer *o, struct trk_sample *out_sample)
     versor head, back;
     head_pose(o->head_deg, head);
     measure_head(head, out_sample);
-    if (t_s >= o->dropout_start_s && t_s < o->dropout_start_s + o->dropout_length_s) return;
-    double openness = openness_at(o, t_s);
-    if (openness < hidden_openness) {
+    double openness;
+    if (is_hidden(o, t_s, &openness)) {
+        if (openness == 1) return;
         out_sample->valid = lid_bits;
         out_sample->eye[0].openness = out_sample->eye[1].openness = round_to(openness, scalar_steps);
         return;

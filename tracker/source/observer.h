@@ -16,6 +16,8 @@ enum { TRK_OBSERVER_HZ = 120 };
 struct trk_observer {
     uint64_t random; /* state of the generator */
     uint64_t tick;   /* samples so far */
+    uint64_t rate_hz;
+    double noise_s2s_deg, bias_rms_deg;
 
     /* Gaze in the world. While a saccade lasts it runs from `fixation` along `tangent` (both unit, at right
      * angles). */
@@ -23,8 +25,9 @@ struct trk_observer {
     double phase_start_s, phase_end_s; /* of this fixation or saccade */
     float fixation[3], tangent[3];
     double amplitude_deg;
-    double offset_deg[2]; /* drift and microsaccades, right and up of the fixation */
-    double sweep;         /* +1 while exploring to the right, -1 to the left */
+    uint64_t saccade_number; /* so far */
+    double offset_deg[2];    /* drift and microsaccades, right and up of the fixation */
+    double sweep;            /* +1 while exploring to the right, -1 to the left */
 
     /* Head: yaw to the left, pitch upwards, each a critically damped second-order system. */
     double head_deg[2], head_speed[2], head_target_deg[2];
@@ -37,7 +40,27 @@ struct trk_observer {
 
 void trk_observer_init(struct trk_observer *observer, uint64_t seed);
 
-/* The next sample, TRK_OBSERVER_HZ a second; arrival_ns is device_ns, sequence counts from 1. */
+/* The same with another rate, noise (deg rms from sample to sample in the combined gaze, which is twice the
+ * standard deviation of an axis) and bias of the calibration (deg rms). With TRK_OBSERVER_HZ, 0.2 and 0.7 it
+ * is trk_observer_init(). */
+void trk_observer_init_with(struct trk_observer *observer, uint64_t seed, uint64_t rate_hz,
+                            double noise_s2s_deg, double bias_rms_deg);
+
+/* What the observer really does at the time of the sample that came last. */
+struct trk_truth {
+    float direction[3];      /* where gaze is: unit, world, without noise or bias */
+    bool is_hidden;          /* the tracker sees no eye: */
+    bool is_blink;           /* and that for its lid */
+    bool is_saccade;         /* what follows is of this saccade, else 0 */
+    uint64_t saccade_number; /* counts from 1 */
+    double onset_s, end_s;   /* when it exceeds 30 deg/s first and last; seconds of device time */
+    double amplitude_deg;
+    float landing[3]; /* unit, world */
+};
+
+void trk_observer_truth(const struct trk_observer *observer, struct trk_truth *out_truth);
+
+/* The next sample, rate_hz a second; arrival_ns is device_ns, sequence counts from 1. */
 void trk_observer_next(struct trk_observer *observer, struct trk_sample *out_sample);
 
 /* How far, in degrees, a saccade of this amplitude has come t seconds after its start. The closed form of
