@@ -1,0 +1,206 @@
+/* Small scenes for tests of the renderer: a directory of their own, OBJ boxes, glTF with its buffer inside,
+ * and what a render of them shows in a cone of directions.
+ */
+#ifndef FOVEAD_TESTS_RENDERER_FILES_H
+#define FOVEAD_TESTS_RENDERER_FILES_H
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <ftw.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "renderer.h"
+
+/* --- files --- */
+
+static char files_directory[64];
+
+static inline int files_setup(void **state)
+{
+    (void)state;
+    strcpy(files_directory, "/tmp/fovead-test-XXXXXX");
+    return mkdtemp(files_directory) ? 0 : -1;
+}
+
+static inline int files_remove(const char *path, const struct stat *status, int kind, struct FTW *where)
+{
+    (void)status, (void)kind, (void)where;
+    return remove(path);
+}
+
+static inline int files_teardown(void **state)
+{
+    (void)state;
+    return nftw(files_directory, files_remove, 8, FTW_DEPTH | FTW_PHYS);
+}
+
+/* Path of a file of that name; valid until the fourth call after. */
+static inline const char *files_path(const char *name)
+{
+    static char path[4][512];
+    static int next;
+    char *to = path[next++ % 4];
+    snprintf(to, sizeof path[0], "%s/%s", files_directory, name);
+    return to;
+}
+
+static inline const char *files_write(const char *name, const void *bytes, size_t count)
+{
+    const char *path = files_path(name);
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, count, file), count);
+    assert_int_equal(fclose(file), 0);
+    return path;
+}
+
+static inline const char *files_text(const char *name, const char *text)
+{
+    return files_write(name, text, strlen(text));
+}
+
+/* A constant environment map of that radiance. */
+static inline const char *files_env(const char *name, float radiance)
+{
+    enum { WIDTH = 32, HEIGHT = 16 };
+    float rgb[WIDTH * HEIGHT * 3];
+    char error[RND_ERROR_SIZE];
+    const char *path = files_path(name);
+    for (int i = 0; i < WIDTH * HEIGHT * 3; i++) rgb[i] = radiance;
+    if (!rnd_image_write(path, WIDTH, HEIGHT, rgb, true, error)) fail_msg("%s", error);
+    return path;
+}
+
+/* Append a closed box whose faces look outwards to the text of an OBJ. */
+static inline void files_box(char *text, size_t size, const char *material, const double low[3],
+                             const double high[3])
+{
+    size_t n = strlen(text);
+    n += (size_t)snprintf(text + n, size - n, "usemtl %s\n", material);
+    for (int i = 0; i < 8; i++)
+        n += (size_t)snprintf(text + n, size - n, "v %.9g %.9g %.9g\n", i & 1 ? high[0] : low[0],
+                              i & 2 ? high[1] : low[1], i & 4 ? high[2] : low[2]);
+    snprintf(text + n, size - n,
+             "f -8 -6 -5 -7\nf -4 -3 -1 -2\nf -8 -7 -3 -4\nf -6 -2 -1 -5\nf -8 -4 -2 -6\nf -7 -5 -1 -3\n");
+}
+
+/* Bytes as base64, at most 64 kB of them; valid until the next call. */
+static inline const char *files_base64(const void *bytes, size_t count)
+{
+    static const char digit[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    static char text[90000];
+    const uint8_t *b = bytes;
+    size_t n = 0;
+    assert_true(count <= 65536);
+    for (size_t i = 0; i < count; i += 3) {
+        const uint32_t three =
+            (uint32_t)b[i] << 16 | (i + 1 < count ? b[i + 1] << 8 : 0) | (i + 2 < count ? b[i + 2] : 0);
+        text[n++] = digit[three >> 18];
+        text[n++] = digit[three >> 12 & 63];
+        text[n++] = i + 1 < count ? digit[three >> 6 & 63] : '=';
+        text[n++] = i + 2 < count ? digit[three & 63] : '=';
+    }
+    text[n] = 0;
+    return text;
+}
+
+/* A glTF of one square in the plane y = 0, 2 half metres a side, that faces up, with texture coordinates
+ * from 0 to 1 along x and z. nodes, materials and more are JSON: the nodes that name mesh 0, the materials
+ * that the mesh names one of, and whatever else with a comma before it. */
+static inline const char *files_gltf(const char *name, float half, const char *nodes, const char *materials,
+                                     const char *more)
+{
+    const float vertex[20] = {-half, 0,     -half, -half, 0, half, half, 0, half, half,
+                              0,     -half, 0,     0,     0, 1,    1,    1, 1,    0};
+    const uint16_t index[6] = {0, 1, 2, 0, 2, 3};
+    uint8_t bytes[sizeof vertex + sizeof index];
+    static char text[100000];
+    memcpy(bytes, vertex, sizeof vertex);
+    memcpy(bytes + sizeof vertex, index, sizeof index);
+    snprintf(text, sizeof text,
+             "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\n\"nodes\":[%s],\n"
+             "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},\"indices\":2,"
+             "\"material\":0}]}],\n\"materials\":[%s],\n"
+             "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\",\"min\":["
+             "%g,0,%g],"
+             "\"max\":[%g,0,%g]},{\"bufferView\":1,\"componentType\":5126,\"count\":4,\"type\":\"VEC2\"},"
+             "{\"bufferView\":2,\"componentType\":5123,\"count\":6,\"type\":\"SCALAR\"}],\n"
+             "\"bufferViews\":[{\"buffer\":0,\"byteOffset\":0,\"byteLength\":48},"
+             "{\"buffer\":0,\"byteOffset\":48,\"byteLength\":32},{\"buffer\":0,\"byteOffset\":80,"
+             "\"byteLength\":12}],\n"
+             "\"buffers\":[{\"byteLength\":92,\"uri\":\"data:application/octet-stream;base64,%s\"}]%s}\n",
+             nodes, materials, -half, -half, half, half, files_base64(bytes, sizeof bytes), more);
+    return files_text(name, text);
+}
+
+/* --- scenes and what they show --- */
+
+static inline struct rnd_scene *files_load(const char *path, const char *env, const float *sun,
+                                           const float *eye)
+{
+    struct rnd_scene_options options = {.path = path, .env_path = env, .has_sun = sun, .has_eye = eye};
+    char error[RND_ERROR_SIZE];
+    if (sun) memcpy(options.sun, sun, sizeof options.sun);
+    if (eye) memcpy(options.eye, eye, sizeof options.eye);
+    struct rnd_scene *scene = rnd_scene_load(&options, error);
+    if (!scene) fail_msg("%s", error);
+    return scene;
+}
+
+static inline struct rnd_aim files_aim(double x, double y, double z)
+{
+    const double l = sqrt(x * x + y * y + z * z);
+    return (struct rnd_aim){.gaze = {(float)(x / l), (float)(y / l), (float)(z / l)},
+                            .view = {0, 0, 0, 1},
+                            .fov = {1.5f, 1.5f},
+                            .sequence = 1};
+}
+
+/* Mean radiance of the paths that a render sends into the pixels whose middle is within a cone: half angle in
+ * degrees (180: everywhere) around the gaze. */
+static inline double files_radiance(const struct rnd_scene *scene, const char *distribution, int max_bounces,
+                                    uint32_t paths, const struct rnd_aim *aim, double cone_deg,
+                                    float out_rgb[3])
+{
+    enum { WIDTH = 256, HEIGHT = 128, BATCH = 20000 };
+    static float rgb[WIDTH * HEIGHT * 3], samples[WIDTH * HEIGHT];
+    const struct rnd_render_options options = {.width = WIDTH,
+                                               .height = HEIGHT,
+                                               .seed = 7,
+                                               .max_bounces = max_bounces,
+                                               .distribution = rnd_distribution_find(distribution)};
+    char error[RND_ERROR_SIZE];
+    struct rnd_render *render = rnd_render_create(scene, &options, error);
+    if (!render) fail_msg("%s", error);
+    struct rnd_batch batch;
+    for (uint32_t done = 0; done < paths; done += BATCH) {
+        rnd_render_batch(render, aim, 0, BATCH, &batch);
+        assert_int_equal(batch.not_finite, 0);
+    }
+    rnd_render_resolve(render, rgb, samples, NULL);
+    rnd_render_destroy(render);
+    double sum[3] = {0}, weight = 0.0;
+    for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        const double azimuth = ((i % WIDTH + 0.5) / WIDTH - 0.5) * 2.0 * M_PI,
+                     elevation = (0.5 - (i / WIDTH + 0.5) / HEIGHT) * M_PI;
+        const double along = cos(elevation) * sin(azimuth) * aim->gaze[0] + sin(elevation) * aim->gaze[1] -
+                             cos(elevation) * cos(azimuth) * aim->gaze[2];
+        if (along < cos(cone_deg * M_PI / 180.0)) continue;
+        for (int c = 0; c < 3; c++) sum[c] += (double)rgb[3 * i + c] * samples[i];
+        weight += samples[i];
+    }
+    assert_true(weight > 1000);
+    for (int c = 0; out_rgb && c < 3; c++) out_rgb[c] = (float)(sum[c] / weight);
+    return (0.2126 * sum[0] + 0.7152 * sum[1] + 0.0722 * sum[2]) / weight;
+}
+
+#endif

@@ -1,0 +1,274 @@
+/* Scenes whose radiance is known in closed form: furnaces, suns, a rectangle of light, glass and mirrors. */
+#include "renderer_files.h"
+
+static const double deg = M_PI / 180.0;
+
+/* Prints and holds a measured value to what it must be. */
+static void assert_within(const char *what, double value, double expected, double relative)
+{
+    print_message("%-44s %.5f of %.5f: %+.3f %%\n", what, value, expected, 100.0 * (value / expected - 1.0));
+    assert_true(fabs(value / expected - 1.0) < relative);
+}
+
+static const char *box_scene(const char *name, const char *material, const double low[3],
+                             const double high[3])
+{
+    char text[2000], file[64];
+    snprintf(file, sizeof file, "%s.mtl", name);
+    files_text(file, material);
+    snprintf(text, sizeof text, "mtllib %s\n", file);
+    files_box(text, sizeof text, "m", low, high);
+    snprintf(file, sizeof file, "%s.obj", name);
+    return files_text(file, text);
+}
+
+/* Albedo 0.5 and emission 1 all around: 1 + 1/2 + 1/4 + ... = 2, and the sum of its first terms if bounces
+ * are limited. */
+static void closed_furnace(void **state)
+{
+    (void)state;
+    static const char *const modes[] = {"od", "vp", "fv", "fv-exact"};
+    const char *path = box_scene("furnace", "newmtl m\nKd 0.5 0.5 0.5\nKe 1 1 1\n", (double[]){-1, -1, -1},
+                                 (double[]){1, 1, 1});
+    struct rnd_scene *scene = files_load(path, NULL, NULL, NULL);
+    const struct rnd_aim aim = files_aim(0.3, 0.2, -1);
+    char what[64];
+    for (int i = 0; i < 4; i++) {
+        snprintf(what, sizeof what, "closed furnace, %s", modes[i]);
+        assert_within(what, files_radiance(scene, modes[i], 0, 200000, &aim, 180, NULL), 2.0, 0.005);
+    }
+    double series = 1.0, term = 1.0;
+    for (int bounces = 1; bounces <= 5; bounces++) {
+        series += term *= 0.5;
+        snprintf(what, sizeof what, "closed furnace, %d bounces", bounces);
+        assert_within(what, files_radiance(scene, "od", bounces, 200000, &aim, 180, NULL), series, 0.005);
+    }
+    rnd_scene_destroy(scene);
+}
+
+/* A convex grey thing in a white world: every face sees only sky. */
+static void convex_in_white(void **state)
+{
+    (void)state;
+    const char *env = files_env("white.hdr", 1.0f);
+    const char *path =
+        box_scene("convex", "newmtl m\nKd 0.5 0.25 0.75\n", (double[]){-1, -1, -1}, (double[]){1, 1, 1});
+    struct rnd_scene *scene = files_load(path, env, NULL, (float[]){4, 3, 5});
+    const struct rnd_aim aim = files_aim(-4, -3, -5);
+    float rgb[3];
+    files_radiance(scene, "fv", 0, 200000, &aim, 6, rgb);
+    assert_within("convex in a white world, red", rgb[0], 0.5, 0.005);
+    assert_within("convex in a white world, green", rgb[1], 0.25, 0.005);
+    assert_within("convex in a white world, blue", rgb[2], 0.75, 0.005);
+    const struct rnd_aim away = files_aim(4, 3, 5);
+    assert_within("the white world itself", files_radiance(scene, "fv", 0, 20000, &away, 30, NULL), 1.0,
+                  1e-5);
+    rnd_scene_destroy(scene);
+}
+
+/* A plane under a sun of irradiance E at an elevation: albedo / pi E sin(elevation), whatever its diameter as
+ * long as it is all above the horizon. */
+static void sun_on_plane(void **state)
+{
+    (void)state;
+    static const float suns[][4] = {{30, 45, 3, 0},     {-120, 20, 3, 0.53f}, {30, 80, 3, 0.53f},
+                                    {30, 45, 3, 0.01f}, {30, 45, 3, 0.1f},    {200, 45, 2, 20},
+                                    {90, 30, 2, 59}};
+    const char *path =
+        box_scene("plane", "newmtl m\nKd 0.8 0.8 0.8\n", (double[]){-100, -1, -100}, (double[]){100, 0, 100});
+    const struct rnd_aim aim = files_aim(0, -1, 0);
+    for (size_t i = 0; i < sizeof suns / sizeof *suns; i++) {
+        struct rnd_scene *scene = files_load(path, NULL, suns[i], (float[]){0, 1, 0});
+        char what[64];
+        snprintf(what, sizeof what, "sun of %g degrees, %g high", suns[i][3], suns[i][1]);
+        assert_within(what, files_radiance(scene, "fv", 0, 100000, &aim, 40, NULL),
+                      0.8 / M_PI * suns[i][2] * sin(suns[i][1] * deg), 0.002);
+        rnd_scene_destroy(scene);
+    }
+}
+
+/* The eye sees the disc itself with the radiance that gives the irradiance: E / (pi sin^2 r); and sees
+ * nothing beside it. */
+static void sun_seen(void **state)
+{
+    (void)state;
+    const double r = 10.0 * deg, expected = 3.0 / (M_PI * sin(r) * sin(r));
+    const char *path =
+        box_scene("speck", "newmtl m\nKd 0 0 0\n", (double[]){0, -50, 0}, (double[]){1, -49, 1});
+    struct rnd_scene *scene = files_load(path, NULL, (float[]){90, 30, 3, 20}, (float[]){0, 0, 0});
+    const struct rnd_aim at = files_aim(cos(30 * deg), sin(30 * deg), 0), below = files_aim(1, 0, 0);
+    assert_within("the sun's disc", files_radiance(scene, "fv", 0, 20000, &at, 8, NULL), expected, 1e-4);
+    assert_true(files_radiance(scene, "fv", 0, 20000, &below, 10, NULL) == 0.0);
+    rnd_scene_destroy(scene);
+}
+
+/* Form factor of a rectangle a x b at height 1 to a parallel element below its corner (Howell's catalogue,
+ * B-3). */
+static double corner_form_factor(double a, double b)
+{
+    const double p = sqrt(1 + a * a), q = sqrt(1 + b * b);
+    return (a / p * atan(b / p) + b / q * atan(a / q)) / (2.0 * M_PI);
+}
+
+/* A floor seen from a centimetre above, and a rectangle of light 1.5 m above it. */
+static void rectangle_of_light(void **state)
+{
+    (void)state;
+    files_text("lamp.mtl", "newmtl floor\nKd 0.6 0.6 0.6\nnewmtl lamp\nKd 0 0 0\nKe 5 5 5\n");
+    const char *path =
+        files_text("lamp.obj", "mtllib lamp.mtl\nusemtl floor\nv -5 0 -5\nv 5 0 -5\nv 5 0 5\nv -5 0 5\n"
+                               "f 4 3 2 1\nusemtl lamp\nv -1 1.5 -0.5\nv 1 1.5 -0.5\nv 1 1.5 0.5\n"
+                               "v -1 1.5 0.5\nf 5 6 7 8\n");
+    const struct rnd_aim aim = files_aim(0, -1, 0);
+    struct rnd_scene *scene = files_load(path, NULL, NULL, (float[]){0, 0.01f, 0});
+    const double middle = 4.0 * corner_form_factor(1 / 1.5, 0.5 / 1.5);
+    assert_within("floor below a lamp's middle", files_radiance(scene, "fv", 0, 100000, &aim, 30, NULL),
+                  0.6 * 5 * middle, 0.003);
+    rnd_scene_destroy(scene);
+    scene = files_load(path, NULL, NULL, (float[]){1, 0.01f, 0.5f});
+    assert_within("floor below its corner", files_radiance(scene, "fv", 0, 100000, &aim, 30, NULL),
+                  0.6 * 5 * corner_form_factor(2 / 1.5, 1 / 1.5), 0.003);
+    rnd_scene_destroy(scene);
+}
+
+/* Punctual lights of glTF over a floor of albedo 0.5: intensity / distance^2 at normal incidence, irradiance
+ * of a directional one at 60 degrees from the normal, nothing outside of a spot's cone. */
+static void punctual(void **state)
+{
+    (void)state;
+    static const char grey[] =
+        "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,1],\"metallicFactor\":0},"
+        "\"extensions\":{\"KHR_materials_specular\":{\"specularFactor\":0}}}";
+    /* A light shines along -Z of its node: turned by 30 degrees it comes from 60 degrees off the normal. */
+    static const struct {
+        const char *what, *light, *place;
+        double irradiance;
+    } cases[] = {
+        {"point light, 2 m", "{\"type\":\"point\",\"intensity\":40,\"color\":[1,1,1]}",
+         "\"translation\":[0,2,0]", 10},
+        {"directional light, 60 degrees", "{\"type\":\"directional\",\"intensity\":6}",
+         "\"rotation\":[-0.258819045,0,0,0.965925826]", 3},
+        {"spot light, inside", "{\"type\":\"spot\",\"intensity\":40,\"spot\":{\"innerConeAngle\":0.2}}",
+         "\"translation\":[0,2,0],\"rotation\":[-0.707106781,0,0,0.707106781]", 10},
+        {"spot light, outside", "{\"type\":\"spot\",\"intensity\":40,\"spot\":{\"outerConeAngle\":0.2}}",
+         "\"translation\":[0,2,0],\"rotation\":[-0.258819045,0,0,0.965925826]", 0},
+    };
+    const struct rnd_aim aim = files_aim(0, -1, 0);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char nodes[400], more[400];
+        snprintf(
+            nodes, sizeof nodes,
+            "{\"mesh\":0,\"children\":[1]},{\"name\":\"light\",%s,\"extensions\":{\"KHR_lights_punctual\":{"
+            "\"light\":0}}}",
+            cases[i].place);
+        snprintf(more, sizeof more,
+                 ",\"extensionsUsed\":[\"KHR_lights_punctual\"],\"extensions\":{\"KHR_lights_punctual\":{"
+                 "\"lights\":["
+                 "%s]}}",
+                 cases[i].light);
+        const char *path = files_gltf("punctual.gltf", 50, nodes, grey, more);
+        struct rnd_scene *scene = files_load(path, NULL, NULL, (float[]){0, 0.005f, 0});
+        assert_int_equal(rnd_scene_info(scene)->punctual_lights, 1);
+        const double value = files_radiance(scene, "fv", 0, 20000, &aim, 30, NULL);
+        if (cases[i].irradiance > 0)
+            assert_within(cases[i].what, value, 0.5 / M_PI * cases[i].irradiance, 0.001);
+        else
+            assert_true(value == 0.0);
+        rnd_scene_destroy(scene);
+    }
+}
+
+/* Lossless glass in a world of constant radiance cannot be seen: what is not reflected is refracted. */
+static void invisible_glass(void **state)
+{
+    (void)state;
+    static const char glass[] = "newmtl m\nKd 1 1 1\nNi 1.5\nillum 7\n";
+    const char *env = files_env("grey.exr", 0.75f);
+    const char *path = box_scene("slab", glass, (double[]){-3, -3, -4.1}, (double[]){3, 3, -4});
+    struct rnd_scene *scene = files_load(path, env, NULL, (float[]){0, 0, 0});
+    const struct rnd_aim ahead = files_aim(0, 0, -1), askew = files_aim(0.6, 0, -1);
+    assert_within("glass slab", files_radiance(scene, "fv", 0, 200000, &ahead, 10, NULL), 0.75, 0.003);
+    assert_within("glass slab, askew", files_radiance(scene, "fv", 0, 200000, &askew, 5, NULL), 0.75, 0.003);
+    rnd_scene_destroy(scene);
+
+    /* a sphere of flat facets, whose corners trap some light for long */
+    enum { AROUND = 64, DOWN = 32 };
+    static char text[400000];
+    size_t n = (size_t)sprintf(text, "mtllib slab.mtl\nusemtl m\n");
+    for (int i = 0; i <= DOWN; i++)
+        for (int k = 0; k < AROUND; k++)
+            n += (size_t)sprintf(text + n, "v %.9g %.9g %.9g\n",
+                                 sin(M_PI * i / DOWN) * sin(2 * M_PI * k / AROUND), cos(M_PI * i / DOWN),
+                                 -3 + sin(M_PI * i / DOWN) * cos(2 * M_PI * k / AROUND));
+    for (int i = 0; i < DOWN; i++)
+        for (int k = 0; k < AROUND; k++) {
+            const int a = i * AROUND + k + 1, b = i * AROUND + (k + 1) % AROUND + 1;
+            if (i > 0) n += (size_t)sprintf(text + n, "f %d %d %d\n", a, b + AROUND, b);
+            if (i < DOWN - 1) n += (size_t)sprintf(text + n, "f %d %d %d\n", a, a + AROUND, b + AROUND);
+        }
+    scene = files_load(files_text("sphere.obj", text), env, NULL, (float[]){0, 0, 0});
+    assert_within("glass sphere", files_radiance(scene, "fv", 0, 400000, &ahead, 16, NULL), 0.75, 0.005);
+    rnd_scene_destroy(scene);
+}
+
+/* Radiance of a metal plane in a white world, seen from its normal. */
+static double metal(double roughness, const char *base, double cone_deg, float rgb[3])
+{
+    char material[300];
+    snprintf(
+        material, sizeof material,
+        "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[%s,1],\"metallicFactor\":1,\"roughnessFactor\":%g}}",
+        base, roughness);
+    const char *path = files_gltf("metal.gltf", 100, "{\"mesh\":0}", material, "");
+    struct rnd_scene *scene = files_load(path, files_env("one.exr", 1.0f), NULL, (float[]){0, 1, 0});
+    const struct rnd_aim aim = files_aim(0, -1, 0);
+    const double value = files_radiance(scene, "fv", 0, 200000, &aim, cone_deg, rgb);
+    rnd_scene_destroy(scene);
+    return value;
+}
+
+/* Share of light that a white GGX surface returns to its normal in one bounce: quadrature over its normals of
+ * what Smith's masking lets out (Heitz 2014). */
+static double single_bounce(double roughness)
+{
+    enum { STEPS = 100000 };
+    const double alpha = roughness * roughness;
+    double sum = 0.0;
+    for (int i = 0; i < STEPS; i++) {
+        const double u = (i + 0.5) / STEPS, tan2 = alpha * alpha * u / (1.0 - u),
+                     out = 2.0 / (1.0 + tan2) - 1.0;
+        if (out <= 0.0) continue;
+        const double lambda = 0.5 * (sqrt(1.0 + alpha * alpha * (1.0 - out * out) / (out * out)) - 1.0);
+        sum += 1.0 / (1.0 + lambda) / STEPS;
+    }
+    return sum;
+}
+
+/* A mirror has its base colour; a rough white metal loses what would bounce between its facets, which the
+ * model leaves out, and no more than that. */
+static void metals(void **state)
+{
+    (void)state;
+    float rgb[3];
+    metal(0.0, "0.9,0.6,0.3", 10, rgb);
+    assert_within("mirror, red", rgb[0], 0.9, 0.002);
+    assert_within("mirror, green", rgb[1], 0.6, 0.002);
+    assert_within("mirror, blue", rgb[2], 0.3, 0.002);
+    static const double roughness[] = {0.1, 0.3, 0.6, 1.0};
+    for (int i = 0; i < 4; i++) {
+        char what[64];
+        snprintf(what, sizeof what, "white metal of roughness %g", roughness[i]);
+        assert_within(what, metal(roughness[i], "1,1,1", 3, NULL), single_bounce(roughness[i]), 0.006);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(closed_furnace),     cmocka_unit_test(convex_in_white),
+        cmocka_unit_test(sun_on_plane),       cmocka_unit_test(sun_seen),
+        cmocka_unit_test(rectangle_of_light), cmocka_unit_test(punctual),
+        cmocka_unit_test(invisible_glass),    cmocka_unit_test(metals),
+    };
+    return cmocka_run_group_tests_name("renderer_furnace", tests, files_setup, files_teardown);
+}
