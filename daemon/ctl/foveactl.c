@@ -104,7 +104,7 @@ static void help(void)
         char usage[64];
 
         snprintf(usage, sizeof(usage), "%s %s", c->name, c->operands);
-        printf("  %-24s%s\n", usage, c->summary);
+        printf("  %-27s%s\n", usage, c->summary);
     }
     fputs(HELP, stdout);
 }

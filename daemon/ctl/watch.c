@@ -137,10 +137,11 @@ static void draw_table(struct watch *watch)
     printf("stream    %llu tiles, %.0f/s, %.2f MB/s; %.0f %% of the sphere%s",
            (unsigned long long)watch->tiles, watch->tile_rate, watch->byte_rate * 1e-6,
            pro_picture_coverage(pro_picture(watch->client)) * 100, end);
-    printf("batch     %.2f ms; round trip %.2f ms%s", s->batch_ms, (double)round_trip_ns * 1e-6, end);
-    printf("latency   %-20s%8s%8s%8s%s", "ms", "p50", "p95", "p99", end);
+    printf("batch     %.2f ms, begun %.2f ms after its gaze arrived; round trip %.2f ms%s", s->batch_ms,
+           s->gaze_to_batch_ms, (double)round_trip_ns * 1e-6, end);
+    printf("latency   %-20s%10s%10s%10s%s", "ms", "p50", "p95", "p99", end);
     for (int i = 0; i < STAGES; i++)
-        printf("          %-20s%8.2f%8.2f%8.2f%s", STAGE[i],
+        printf("          %-20s%10.2f%10.2f%10.2f%s", STAGE[i],
                dmn_histogram_quantile(&watch->stage[i], 0.5) * 1e3,
                dmn_histogram_quantile(&watch->stage[i], 0.95) * 1e3,
                dmn_histogram_quantile(&watch->stage[i], 0.99) * 1e3, end);
@@ -248,6 +249,7 @@ int ctl_watch(const struct ctl *ctl)
     sigaction(SIGTERM, &action, NULL);
     watch->began_ns = watch->drawn_ns = dmn_now_ns();
     if (!ctl->json) printf("%s\n", pro_welcome(watch->client)->scene);
+    fflush(stdout);
     follow(watch);
     watch->drawn_ns = dmn_now_ns();
     if (ctl->json)

@@ -38,7 +38,7 @@ rm fovead.sock
 start $small
 "$foveactl" watch --for 60 >watch.txt &
 watcher=$!
-sleep 1
+until [ -s watch.txt ]; do sleep 0.1; done
 stop
 wait "$watcher" || fail "watch ended with status $?"
 
