@@ -62,10 +62,20 @@ void rnd_film_add(const struct rnd_film *film, struct rnd_film_tile *tile, const
 
 int rnd_render_levels(const struct rnd_render *render)
 {
-    int levels = 1;
-    while ((render->film.height >> levels) >= RND_TILE && (render->film.width >> levels) % RND_TILE == 0)
+    int levels = 1; /* the width is twice the height and so divides where the height does */
+    while ((render->film.height >> levels) >= RND_TILE && (render->film.height >> levels) % RND_TILE == 0)
         levels++;
     return levels;
+}
+
+/* A tile's state, with the lock held. One that nothing has reached is still the zeros of fresh memory. */
+static struct rnd_tile state_of(const struct rnd_film_tile *tile)
+{
+    struct rnd_tile state = tile->state;
+    if (state.samples > 0) return state;
+    state.unvisited = RND_TILE_PIXELS;
+    state.error = INFINITY;
+    return state;
 }
 
 void rnd_render_tiles(struct rnd_render *render, struct rnd_tile *out_tiles)
@@ -74,7 +84,7 @@ void rnd_render_tiles(struct rnd_render *render, struct rnd_tile *out_tiles)
     for (int i = 0; i < count; i++) {
         struct rnd_film_tile *tile = &render->film.tile[i];
         rnd_film_lock(tile);
-        out_tiles[i] = tile->state;
+        out_tiles[i] = state_of(tile);
         rnd_film_unlock(tile);
     }
 }
@@ -111,12 +121,13 @@ static void merge_state(struct rnd_tile *to, const struct rnd_tile *from, bool f
         *to = *from;
         return;
     }
+    const bool newer = from->samples > 0 && (to->samples == 0 || from->aimed_ns > to->aimed_ns);
     to->samples += from->samples;
-    to->unvisited += from->samples ? from->unvisited : RND_TILE_PIXELS;
-    to->error = fmaxf(to->error, from->samples ? from->error : INFINITY);
+    to->unvisited += from->unvisited;
+    to->error = fmaxf(to->error, from->error);
     to->luminance += from->luminance;
     to->converged &= from->converged;
-    if (from->aimed_ns <= to->aimed_ns) return;
+    if (!newer) return;
     to->gaze_sequence = from->gaze_sequence;
     to->gaze_ns = from->gaze_ns;
     to->aimed_ns = from->aimed_ns;
@@ -158,15 +169,17 @@ bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *
                      struct rnd_tile *out_state)
 {
     const struct rnd_film *film = &render->film;
-    const int span = 1 << level, part = RND_TILE >> level; /* level-0 tiles a side; sums' pixels of each */
+    const int span =
+        1 << level; /* level-0 tiles a side; from level 7 on, each is less than a pixel of the sums */
     struct sums sums = {0};
     struct rnd_tile state;
     for (int i = 0; i < span * span; i++) {
         const int dx = i % span, dy = i / span;
         struct rnd_film_tile *tile = &film->tile[(y * span + dy) * film->across + x * span + dx];
         rnd_film_lock(tile);
-        if (tile->state.samples > 0) add_tile(tile, span, dx * part, dy * part, &sums);
-        merge_state(&state, &tile->state, i == 0);
+        const struct rnd_tile part = state_of(tile);
+        if (part.samples > 0) add_tile(tile, span, dx * RND_TILE / span, dy * RND_TILE / span, &sums);
+        merge_state(&state, &part, i == 0);
         rnd_film_unlock(tile);
     }
     state.luminance /= (float)(span * span);
@@ -204,7 +217,7 @@ void rnd_render_resolve(struct rnd_render *render, float *out_rgb, float *out_sa
 bool rnd_render_save(struct rnd_render *render, const char *path, char out_error[RND_ERROR_SIZE])
 {
     static const struct rnd_channel channel[5] = {
-        {"R", RND_HALF}, {"G", RND_HALF}, {"B", RND_HALF}, {"samples", RND_UINT32}, {"error", RND_HALF}};
+        {"R", RND_HALF}, {"G", RND_HALF}, {"B", RND_HALF}, {"samples", RND_FLOAT}, {"error", RND_HALF}};
     const int width = render->film.width, height = render->film.height;
     const size_t count = (size_t)width * height;
     float *plane = malloc(count * 5 * sizeof *plane), *data = malloc(count * 5 * sizeof *data);

@@ -149,7 +149,7 @@ struct rnd_tile {
     uint64_t gaze_sequence, gaze_ns, aimed_ns; /* of the newest batch that reached it */
 };
 
-/* Level 0 is the film; every next level halves it, down to the last whose height is one tile or more. */
+/* Level 0 is the film; every next level halves it, down to the last that is whole tiles. */
 int rnd_render_levels(const struct rnd_render *render);
 
 /* State of all level-0 tiles, row by row: (width / RND_TILE) * (height / RND_TILE) of them. */

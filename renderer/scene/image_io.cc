@@ -50,8 +50,6 @@ OIIO::TypeDesc type_of(rnd_channel_type type)
     switch (type) {
     case RND_HALF:
         return OIIO::TypeDesc::HALF;
-    case RND_UINT32:
-        return OIIO::TypeDesc::UINT32;
     case RND_BYTE:
         return OIIO::TypeDesc::UINT8;
     case RND_FLOAT:

@@ -27,7 +27,9 @@ bool rnd_pixels_read(const char *path, const void *memory, size_t count, bool wa
                      struct rnd_pixels *out_pixels, char *out_error, size_t error_size);
 void rnd_pixels_finish(struct rnd_pixels *pixels);
 
-enum rnd_channel_type { RND_HALF, RND_UINT32, RND_FLOAT, RND_BYTE };
+/* No wider integers: OpenImageIO takes 0..1 for all of an integer's range, so that counts would not survive.
+ */
+enum rnd_channel_type { RND_HALF, RND_FLOAT, RND_BYTE };
 
 struct rnd_channel {
     const char *name;
