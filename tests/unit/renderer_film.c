@@ -1,0 +1,488 @@
+/* The film: the same with any number of threads, read at every level, judged, and saved. */
+#include "renderer_files.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+
+enum { WIDTH = 512, HEIGHT = 256, PIXELS = WIDTH * HEIGHT, TILES = WIDTH / RND_TILE * (HEIGHT / RND_TILE) };
+
+static struct rnd_scene *room;
+
+static int setup(void **state)
+{
+    if (files_setup(state) != 0) return -1;
+    room = files_load(files_room("room.obj"), NULL, NULL, NULL);
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    rnd_scene_destroy(room);
+    return files_teardown(state);
+}
+
+static struct rnd_render *make(const struct rnd_scene *scene, int width, const char *distribution,
+                               int threads)
+{
+    const struct rnd_render_options options = {.width = width,
+                                               .height = width / 2,
+                                               .threads = threads,
+                                               .seed = 42,
+                                               .distribution = rnd_distribution_find(distribution)};
+    char error[RND_ERROR_SIZE];
+    struct rnd_render *render = rnd_render_create(scene, &options, error);
+    if (!render) fail_msg("%s", error);
+    return render;
+}
+
+/* An outline and a few batches around a gaze that moves over pole and seam. Paths are returned. */
+static uint64_t look_around(struct rnd_render *render, int batches, uint32_t paths)
+{
+    struct rnd_aim aim = files_aim(0, 0, -1);
+    struct rnd_batch batch;
+    rnd_render_outline(render, &aim, 1, &batch);
+    uint64_t sum = batch.paths;
+    for (int i = 0; i < batches; i++) {
+        aim = files_aim(sin(0.9 * i), 1.2 * sin(0.4 * i), -cos(0.9 * i));
+        aim.sequence = 100 + (uint64_t)i;
+        aim.time_ns = 1000 + (uint64_t)i;
+        rnd_render_batch(render, &aim, 2000 + (uint64_t)i, paths, &batch);
+        assert_int_equal(batch.paths, paths);
+        assert_int_equal(batch.not_finite, 0);
+        assert_true(batch.rays >= batch.paths && batch.seconds >= batch.place_seconds);
+        sum += batch.paths;
+    }
+    return sum;
+}
+
+/* --- determinism --- */
+
+struct film {
+    float rgb[3 * PIXELS], samples[PIXELS], error[PIXELS];
+};
+
+static void same_with_any_threads(void **state)
+{
+    (void)state;
+    static struct film one, many;
+    for (int threads = 1; threads <= 4; threads *= 2) {
+        struct rnd_render *render = make(room, WIDTH, "fv", threads);
+        struct film *film = threads == 1 ? &one : &many;
+        look_around(render, 8, 3000 + 77);
+        rnd_render_resolve(render, film->rgb, film->samples, film->error);
+        rnd_render_destroy(render);
+        if (threads > 1) assert_memory_equal(&one, &many, sizeof one);
+    }
+}
+
+/* --- reading --- */
+
+/* Mean of the smallest square around a pixel of a tile, by powers of two, that holds a path: from the whole
+ * level's sums, plainly. False if there is none in the tile. */
+static bool mean_around(const double (*sums)[4], int width, int x, int y, double out[3])
+{
+    for (int side = 1; side <= RND_TILE; side *= 2) {
+        double sum[4] = {0};
+        for (int dy = 0; dy < side; dy++)
+            for (int dx = 0; dx < side; dx++)
+                for (int c = 0; c < 4; c++)
+                    sum[c] += sums[(y / side * side + dy) * width + x / side * side + dx][c];
+        if (sum[3] == 0.0) continue;
+        for (int c = 0; c < 3; c++) out[c] = sum[c] / sum[3];
+        return true;
+    }
+    return false;
+}
+
+static void assert_state(const struct rnd_tile *whole, const struct rnd_tile *parts, int span, int x, int y)
+{
+    struct rnd_tile sum = {.converged = true};
+    for (int i = 0; i < span * span; i++) {
+        const struct rnd_tile *part =
+            &parts[(y * span + i / span) * (WIDTH / RND_TILE) + x * span + i % span];
+        sum.samples += part->samples;
+        sum.unvisited += part->unvisited;
+        sum.error = fmaxf(sum.error, part->error);
+        sum.converged &= part->converged;
+        sum.luminance += part->luminance / (float)(span * span);
+        if (part->samples == 0 || part->aimed_ns < sum.aimed_ns) continue;
+        sum.aimed_ns = part->aimed_ns;
+        sum.gaze_ns = part->gaze_ns;
+        sum.gaze_sequence = part->gaze_sequence;
+    }
+    assert_int_equal(whole->samples, sum.samples);
+    assert_int_equal(whole->unvisited, sum.unvisited);
+    assert_true(whole->error == sum.error);
+    assert_int_equal(whole->converged, sum.converged);
+    assert_true(fabsf(whole->luminance - sum.luminance) <= 1e-5f * sum.luminance);
+    assert_int_equal(whole->aimed_ns, sum.aimed_ns);
+    assert_int_equal(whole->gaze_ns, sum.gaze_ns);
+    assert_int_equal(whole->gaze_sequence, sum.gaze_sequence);
+}
+
+/* Every level against sums of the film itself. */
+static void assert_levels(struct rnd_render *render)
+{
+    static struct film film;
+    static double sums[PIXELS][4];
+    static float rgb[RND_TILE * RND_TILE * 3];
+    struct rnd_tile tiles[TILES], state;
+    rnd_render_resolve(render, film.rgb, film.samples, NULL);
+    rnd_render_tiles(render, tiles);
+    assert_int_equal(rnd_render_levels(render), 3);
+    for (int level = 0; level < 3; level++) {
+        const int span = 1 << level, width = WIDTH / span, height = HEIGHT / span;
+        memset(sums, 0, sizeof sums);
+        for (int i = 0; i < PIXELS; i++) {
+            double *to = sums[i / WIDTH / span * width + i % WIDTH / span];
+            for (int c = 0; c < 3; c++) to[c] += (double)film.rgb[3 * i + c] * film.samples[i];
+            to[3] += film.samples[i];
+        }
+        for (int t = 0; t < width / RND_TILE * (height / RND_TILE); t++) {
+            const int x = t % (width / RND_TILE), y = t / (width / RND_TILE);
+            const bool any = rnd_render_read(render, level, x, y, rgb, &state);
+            assert_state(&state, tiles, span, x, y);
+            assert_int_equal(any, state.samples > 0);
+            for (int i = 0; any && i < RND_TILE * RND_TILE; i++) {
+                double mean[3];
+                assert_true(
+                    mean_around(sums, width, x * RND_TILE + i % RND_TILE, y * RND_TILE + i / RND_TILE, mean));
+                for (int c = 0; c < 3; c++)
+                    assert_float_equal(rgb[3 * i + c], mean[c], 1e-4 * mean[c] + 1e-6);
+            }
+        }
+    }
+}
+
+static void levels(void **state)
+{
+    (void)state;
+    struct rnd_render *render = make(room, WIDTH, "fv", 2);
+    assert_levels(render); /* empty */
+    const struct rnd_aim aim = files_aim(1, 0.3, -1);
+    struct rnd_batch batch;
+    rnd_render_batch(render, &aim, 0, 500, &batch); /* most tiles empty, and clocks at their very start */
+    assert_levels(render);
+    look_around(render, 6, 5000);
+    assert_levels(render);
+    rnd_render_destroy(render);
+}
+
+/* A tile that no path reached says so. */
+static void empty_tiles(void **state)
+{
+    (void)state;
+    struct rnd_tile tiles[TILES];
+    struct rnd_render *render = make(room, WIDTH, "vp", 1);
+    struct rnd_aim aim = files_aim(0, 0, -1);
+    struct rnd_batch batch;
+    aim.fov[0] = aim.fov[1] = 0.2f;
+    rnd_render_batch(render, &aim, 5, 1000, &batch);
+    rnd_render_tiles(render, tiles);
+    uint64_t paths = 0;
+    for (int i = 0; i < TILES; i++) {
+        paths += tiles[i].samples;
+        assert_true(isinf(tiles[i].error));
+        assert_false(tiles[i].converged);
+        if (tiles[i].samples == 0) assert_int_equal(tiles[i].unvisited, RND_TILE * RND_TILE);
+        assert_false(
+            rnd_tile_settled(render, &tiles[i], i % (WIDTH / RND_TILE), i / (WIDTH / RND_TILE), aim.gaze));
+    }
+    assert_int_equal(paths, 1000);
+    assert_int_equal(tiles[0].samples, 0);
+    rnd_render_destroy(render);
+}
+
+/* Sizes that halve to a broken tile stop before it, and wrong ones are refused with a line. */
+static void sizes(void **state)
+{
+    (void)state;
+    static const int levels_of[][2] = {{128, 1}, {256, 2}, {384, 1}, {512, 3}, {768, 2}, {896, 1}, {1024, 4}};
+    for (size_t i = 0; i < sizeof levels_of / sizeof *levels_of; i++) {
+        struct rnd_render *render = make(room, levels_of[i][0], "od", 1);
+        assert_int_equal(rnd_render_levels(render), levels_of[i][1]);
+        rnd_render_destroy(render);
+    }
+    static const int wrong[][2] = {{0, 0},    {64, 32},    {100, 50},      {128, 128},
+                                   {192, 96}, {-128, -64}, {65536, 32768}, {2147483647, 1073741823}};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        const struct rnd_render_options options = {
+            .width = wrong[i][0], .height = wrong[i][1], .distribution = rnd_distribution_at(0)};
+        char error[RND_ERROR_SIZE] = "";
+        assert_null(rnd_render_create(room, &options, error));
+        assert_non_null(strstr(error, "expected a width"));
+        assert_null(strchr(error, '\n'));
+    }
+}
+
+/* A film so large that a tile of its last level takes less than a pixel from each of the film's: above the
+ * horizon it is white, below black. */
+static void coarsest_level(void **state)
+{
+    (void)state;
+    enum { W = 64, H = 32 };
+    float sky[W * H * 3] = {0};
+    char error[RND_ERROR_SIZE];
+    for (int i = 0; i < W * H / 2 * 3; i++) sky[i] = 1.0f;
+    assert_true(rnd_image_write(files_path("sky.exr"), W, H, sky, true, error));
+    files_text("speck.mtl", "newmtl m\nKd 0 0 0\n");
+    const char *path =
+        files_text("speck.obj", "mtllib speck.mtl\nusemtl m\nv 0 -9 0\nv 0.1 -9 0\nv 0 -9 0.1\nf 1 2 3\n");
+    struct rnd_scene *scene = files_load(path, files_path("sky.exr"), NULL, (float[]){0, 0, 0});
+    struct rnd_render *render = make(scene, 16384, "od", 2);
+    const struct rnd_aim aim = files_aim(0, 0, -1);
+    struct rnd_batch batch;
+    rnd_render_batch(render, &aim, 1, 6000, &batch);
+    assert_int_equal(rnd_render_levels(render), 8);
+    uint64_t paths = 0;
+    for (int x = 0; x < 2; x++) {
+        float rgb[RND_TILE * RND_TILE * 3];
+        struct rnd_tile tile;
+        assert_true(rnd_render_read(render, 7, x, 0, rgb, &tile));
+        paths += tile.samples;
+        for (int i = 0; i < RND_TILE * RND_TILE; i++) {
+            const int row = i / RND_TILE;
+            if (row < 28) assert_float_equal(rgb[3 * i], 1, 1e-6);
+            if (row >= 36) assert_float_equal(rgb[3 * i], 0, 1e-6);
+        }
+    }
+    assert_int_equal(paths, 6000);
+    rnd_render_destroy(render);
+    rnd_scene_destroy(scene);
+}
+
+/* Every cell of 16 x 16 pixels has a path after the outline, and just one. */
+static void outline(void **state)
+{
+    (void)state;
+    static float samples[PIXELS];
+    int cell[PIXELS / 256] = {0};
+    struct rnd_render *render = make(room, WIDTH, "fv", 2);
+    const struct rnd_aim aim = files_aim(0, 0, -1);
+    struct rnd_batch batch;
+    rnd_render_outline(render, &aim, 1, &batch);
+    assert_int_equal(batch.paths, PIXELS / 256);
+    rnd_render_resolve(render, NULL, samples, NULL);
+    for (int i = 0; i < PIXELS; i++) cell[i / WIDTH / 16 * (WIDTH / 16) + i % WIDTH / 16] += (int)samples[i];
+    for (int i = 0; i < PIXELS / 256; i++) assert_int_equal(cell[i], 1);
+    rnd_render_destroy(render);
+}
+
+/* --- judging --- */
+
+/* In a constant world there is no error at all, and still nothing is converged before every pixel has 16
+ * paths. */
+static void converged(void **state)
+{
+    (void)state;
+    enum { W = 128, H = 64 };
+    static float samples[W * H];
+    files_text("speck.mtl", "newmtl m\nKd 0 0 0\n");
+    const char *path =
+        files_text("far.obj", "mtllib speck.mtl\nusemtl m\nv 0 -9 0\nv 1e-4 -9 0\nv 0 -9 1e-4\nf 1 2 3\n");
+    struct rnd_scene *scene = files_load(path, files_env("half.exr", 0.5f), NULL, (float[]){0, 0, 0});
+    struct rnd_render *render = make(scene, W, "od", 1);
+    const struct rnd_aim aim = files_aim(0, 0, -1);
+    struct rnd_batch batch;
+    struct rnd_tile tiles[2];
+    bool seen = false;
+    for (int i = 0; i < 100 && !seen; i++) {
+        rnd_render_batch(render, &aim, 1, 8000, &batch);
+        rnd_render_resolve(render, NULL, samples, NULL);
+        rnd_render_tiles(render, tiles);
+        for (int t = 0; t < 2; t++) {
+            float least = INFINITY;
+            for (int k = 0; k < W * H; k++)
+                if (k % W / RND_TILE == t) least = fminf(least, samples[k]);
+            if (tiles[t].converged) assert_true(least >= 16);
+            if (least < 16) assert_false(tiles[t].converged);
+            if (tiles[t].samples > 8192)
+                assert_true(tiles[t].error < 1e-6f && fabsf(tiles[t].luminance - 0.5f) < 1e-4f);
+        }
+        seen = tiles[0].converged && tiles[1].converged;
+    }
+    assert_true(seen);
+    rnd_render_destroy(render);
+    rnd_scene_destroy(scene);
+}
+
+/* The error stated is that of the picture: against many more paths, relative to the tile's mean. */
+static void error_is_true(void **state)
+{
+    (void)state;
+    enum { W = 128, H = 64 };
+    static float few[3 * W * H], many[3 * W * H], stated[W * H];
+    struct rnd_render *render = make(room, W, "od", 2);
+    const struct rnd_aim aim = files_aim(0, 0, -1);
+    struct rnd_batch batch;
+    for (int i = 0; i < 16; i++) rnd_render_batch(render, &aim, 1, W * H, &batch);
+    rnd_render_resolve(render, few, NULL, stated);
+    for (int i = 0; i < 30; i++) rnd_render_batch(render, &aim, 1, 16 * W * H, &batch);
+    rnd_render_resolve(render, many, NULL, NULL);
+    rnd_render_destroy(render);
+    double measured = 0.0, by_halves = 0.0;
+    for (int i = 0; i < W * H; i++) {
+        const double d = 0.2126 * (few[3 * i] - many[3 * i]) + 0.7152 * (few[3 * i + 1] - many[3 * i + 1]) +
+                         0.0722 * (few[3 * i + 2] - many[3 * i + 2]);
+        measured += d * d;
+        by_halves += (double)stated[i] * stated[i];
+    }
+    print_message("root mean square error %.4f, by half-buffers %.4f\n", sqrt(measured / (W * H)),
+                  sqrt(by_halves / (W * H)));
+    /* heavy tails of caustics make both estimates coarse; the halves' points are better than random apart */
+    assert_true(by_halves > 0.6 * measured && by_halves < 2.5 * measured);
+}
+
+/* METHODS: the threshold at 20 pixels per degree is tabulated for contrast 1; the renderer keeps to half. */
+static void visible_error(void **state)
+{
+    (void)state;
+    static const float table[][2] = {{0, .042f},  {5, .132f},  {10, .222f}, {20, .402f},
+                                     {30, .583f}, {40, .763f}, {55, 1.04f}};
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++)
+        assert_float_equal(2.0f * rnd_visible_error(table[i][0], 20), table[i][1], i < 1 ? 0.0006 : 0.007);
+    /* where the display resolves less than the eye, it is the display's own finest wave that counts */
+    const double f = 2.5, expected = 0.5 * 5 / (64 * sqrt(1.5 * M_PI) * f * exp(-0.106 * f));
+    assert_float_equal(rnd_visible_error(0, 5), expected, 1e-5);
+}
+
+static void settled(void **state)
+{
+    (void)state;
+    struct rnd_render *render = make(room, WIDTH, "od", 1);
+    const float ppd = WIDTH / 360.0f;
+    const struct rnd_aim ahead = files_aim(0, 0, -1), behind = files_aim(0, 0, 1);
+    struct rnd_tile tile = {.samples = 1, .error = 1.01f * rnd_visible_error(0, ppd)};
+    /* tile (4, 2) touches the middle of the film: forward */
+    assert_false(rnd_tile_settled(render, &tile, 4, 2, ahead.gaze));
+    assert_true(rnd_tile_settled(render, &tile, 4, 2, behind.gaze));
+    assert_false(rnd_tile_settled(render, &tile, 0, 2, behind.gaze)); /* over the seam */
+    tile.error *= 0.98f;
+    assert_true(rnd_tile_settled(render, &tile, 4, 2, ahead.gaze));
+    tile.unvisited = 1;
+    assert_false(rnd_tile_settled(render, &tile, 4, 2, ahead.gaze));
+    rnd_render_destroy(render);
+}
+
+/* --- files --- */
+
+static bool file_holds(const char *path, const char *what)
+{
+    static char bytes[20000];
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    const size_t n = fread(bytes, 1, sizeof bytes, file);
+    fclose(file);
+    return memmem(bytes, n, what, strlen(what)) != NULL;
+}
+
+static void save(void **state)
+{
+    (void)state;
+    static struct film film;
+    char error[RND_ERROR_SIZE];
+    int width, height;
+    struct rnd_render *render = make(room, WIDTH, "fv", 2);
+    const uint64_t paths = look_around(render, 5, 10000);
+    rnd_render_resolve(render, film.rgb, film.samples, film.error);
+    const char *path = files_path("film.exr");
+    assert_true(rnd_render_save(render, path, error));
+    assert_true(file_holds(path, "envmap"));
+
+    float *rgb = rnd_image_read(path, &width, &height, error);
+    assert_non_null(rgb);
+    assert_int_equal(width, WIDTH);
+    assert_int_equal(height, HEIGHT);
+    for (int i = 0; i < 3 * PIXELS; i++) assert_float_equal(rgb[i], film.rgb[i], 1e-3 * film.rgb[i] + 1e-7);
+    free(rgb);
+    float *samples = rnd_image_read_channel(path, "samples", &width, &height, error);
+    assert_non_null(samples);
+    double sum = 0.0;
+    for (int i = 0; i < PIXELS; i++) sum += samples[i];
+    assert_float_equal(sum, (double)paths, 0);
+    assert_memory_equal(samples, film.samples, sizeof film.samples);
+    free(samples);
+    float *spread = rnd_image_read_channel(path, "error", &width, &height, error);
+    assert_non_null(spread);
+    for (int i = 0; i < PIXELS; i++)
+        assert_float_equal(spread[i], film.error[i], 1e-3 * film.error[i] + 1e-7);
+    free(spread);
+
+    assert_null(rnd_image_read_channel(path, "depth", &width, &height, error));
+    assert_non_null(strstr(error, "film.exr"));
+    assert_non_null(strstr(error, "\"depth\""));
+    assert_false(rnd_render_save(render, files_path("no/such/place.exr"), error));
+    assert_non_null(strstr(error, "place.exr"));
+    assert_null(strchr(error, '\n'));
+    assert_int_not_equal(access(files_path("no"), F_OK), 0);
+    rnd_render_destroy(render);
+}
+
+/* --- readers --- */
+
+struct reader {
+    struct rnd_render *render;
+    atomic_bool quit;
+    uint64_t reads;
+};
+
+static void *read_on(void *argument)
+{
+    struct reader *reader = argument;
+    static float rgb[3 * PIXELS], samples[PIXELS], tile_rgb[RND_TILE * RND_TILE * 3];
+    struct rnd_tile tiles[TILES];
+    while (!atomic_load(&reader->quit)) {
+        rnd_render_tiles(reader->render, tiles);
+        for (int level = 0; level < 3; level++) {
+            struct rnd_tile tile;
+            /* counts and sums of a tile are of one moment: a mean of this closed room is never far off */
+            if (rnd_render_read(reader->render, level, 0, 0, tile_rgb, &tile)) assert_true(tile.samples > 0);
+        }
+        rnd_render_resolve(reader->render, rgb, samples, NULL);
+        reader->reads++;
+    }
+    return NULL;
+}
+
+/* A film may be read while a batch runs; what the readers see is for ThreadSanitizer to judge, and the film
+ * is the same in the end. */
+static void readers(void **state)
+{
+    (void)state;
+    static struct film alone, watched;
+    for (int i = 0; i < 2; i++) {
+        struct rnd_render *render = make(room, WIDTH, "fv", 2);
+        struct reader reader = {.render = render};
+        pthread_t thread;
+        if (i == 1) assert_int_equal(pthread_create(&thread, NULL, read_on, &reader), 0);
+        look_around(render, 10, 4000);
+        if (i == 1) {
+            atomic_store(&reader.quit, true);
+            pthread_join(thread, NULL);
+            assert_true(reader.reads > 0);
+        }
+        struct film *film = i == 0 ? &alone : &watched;
+        rnd_render_resolve(render, film->rgb, film->samples, film->error);
+        rnd_render_destroy(render);
+    }
+    assert_memory_equal(&alone, &watched, sizeof alone);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(same_with_any_threads),
+        cmocka_unit_test(levels),
+        cmocka_unit_test(empty_tiles),
+        cmocka_unit_test(sizes),
+        cmocka_unit_test(coarsest_level),
+        cmocka_unit_test(outline),
+        cmocka_unit_test(converged),
+        cmocka_unit_test(error_is_true),
+        cmocka_unit_test(visible_error),
+        cmocka_unit_test(settled),
+        cmocka_unit_test(save),
+        cmocka_unit_test(readers),
+    };
+    return cmocka_run_group_tests_name("renderer_film", tests, setup, teardown);
+}
