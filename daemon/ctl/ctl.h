@@ -14,6 +14,7 @@ enum {
     CTL_SIZE = 1 << 5,
     CTL_SETTLE = 1 << 6,
     CTL_GAZE = 1 << 7,
+    CTL_EXPOSURE = 1 << 8,
 };
 
 struct ctl {
@@ -25,6 +26,8 @@ struct ctl {
     bool view_gaze; /* the view's middle is the gaze */
     double view[3]; /* yaw, pitch, horizontal field of view: deg */
     int width, height;
+    bool exposure_auto;
+    double exposure; /* stops */
     const char *gaze;
     char **operand;
 };

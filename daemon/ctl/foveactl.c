@@ -1,6 +1,7 @@
 /* foveactl: the command line, and what commands share. */
 #include <ctype.h>
 #include <getopt.h>
+#include <math.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -13,7 +14,7 @@ static const struct ctl_command COMMANDS[] = {
     {"watch", "", "show how the picture grows, where the eye looks and how long things take", 0,
      CTL_DAEMON | CTL_JSON | CTL_FOR | CTL_UNTIL_FINISHED, ctl_watch},
     {"snapshot", "FILE", "save the picture as received: .exr, .png or .jpg; panorama or --view", 1,
-     CTL_DAEMON | CTL_JSON | CTL_VIEW | CTL_SIZE | CTL_SETTLE, ctl_snapshot},
+     CTL_DAEMON | CTL_JSON | CTL_VIEW | CTL_SIZE | CTL_EXPOSURE | CTL_SETTLE, ctl_snapshot},
     {"stats", "", "print the daemon's figures once", 0, CTL_DAEMON | CTL_JSON, ctl_stats},
     {"freeze", "", "keep sampling where the gaze is now", 0, CTL_DAEMON, ctl_freeze},
     {"unfreeze", "", "follow the gaze again", 0, CTL_DAEMON, ctl_unfreeze},
@@ -38,17 +39,27 @@ static const char HELP[] =
     "with that\n"
     "  --view gaze,FOV         horizontal field of view; or where the gaze is\n"
     "  --size WxH              snapshot: of the view; 1280x1280\n"
+    "  --exposure STOPS        snapshot: brighter by so many doublings, or auto: half of the sphere above, "
+    "half below\n"
+    "                          middle grey; 0. An .exr keeps the radiance as it is\n"
     "  --settle SECONDS        snapshot: wait for finer tiles once all is there; 1.5\n"
     "  --gaze LOG              samples: draw the path of this recorded gaze\n"
     "      --help, --version\n";
 
 static const struct option LONG[] = {
-    {"connect", required_argument, NULL, 'c'},  {"wait", no_argument, NULL, 'w'},
-    {"json", no_argument, NULL, 'j'},           {"for", required_argument, NULL, 'f'},
-    {"until-finished", no_argument, NULL, 'u'}, {"view", required_argument, NULL, 'v'},
-    {"size", required_argument, NULL, 'z'},     {"settle", required_argument, NULL, 's'},
-    {"gaze", required_argument, NULL, 'g'},     {"help", no_argument, NULL, 'h'},
-    {"version", no_argument, NULL, 'V'},        {0},
+    {"connect", required_argument, NULL, 'c'},
+    {"wait", no_argument, NULL, 'w'},
+    {"json", no_argument, NULL, 'j'},
+    {"for", required_argument, NULL, 'f'},
+    {"until-finished", no_argument, NULL, 'u'},
+    {"view", required_argument, NULL, 'v'},
+    {"size", required_argument, NULL, 'z'},
+    {"settle", required_argument, NULL, 's'},
+    {"exposure", required_argument, NULL, 'x'},
+    {"gaze", required_argument, NULL, 'g'},
+    {"help", no_argument, NULL, 'h'},
+    {"version", no_argument, NULL, 'V'},
+    {0},
 };
 
 /* What an option is called in ctl_command.options. */
@@ -72,6 +83,8 @@ static unsigned bit_of(int option)
         return CTL_SETTLE;
     case 'g':
         return CTL_GAZE;
+    case 'x':
+        return CTL_EXPOSURE;
     default:
         return 0;
     }
@@ -147,6 +160,11 @@ static bool take(struct ctl *ctl, int option, const char *text)
             ctl->height <= 16384)
             return true;
         return ctl_fail("--size wants WxH, up to 16384x16384, not '%s'", text);
+    case 'x':
+        ctl->exposure_auto = !strcmp(text, "auto");
+        if (ctl->exposure_auto || (dmn_parse_numbers(text, 1, &ctl->exposure) && fabs(ctl->exposure) <= 64))
+            return true;
+        return ctl_fail("--exposure wants stops or auto, not '%s'", text);
     case 's':
         return take_seconds("settle", text, &ctl->settle);
     default:

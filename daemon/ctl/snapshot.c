@@ -13,6 +13,9 @@ static const uint64_t SILENCE_NS = 10000000000;
 /* Summing up what has come is not free: not after every tile. */
 static const uint64_t LOOK_NS = 50000000;
 
+/* Middle grey: what auto exposure makes of the median. */
+static const float GREY = 0.18f;
+
 struct snapshot {
     const struct ctl *ctl;
     struct pro_client *client;
@@ -21,6 +24,13 @@ struct snapshot {
     uint64_t tiles;
     double coverage;
 };
+
+static bool is_exr(const char *path)
+{
+    const char *dot = strrchr(path, '.');
+
+    return dot && !strcasecmp(dot, ".exr");
+}
 
 static bool is_image(const char *path)
 {
@@ -63,6 +73,57 @@ static bool gather(struct snapshot *snapshot)
         if (!whole_ns && now_ns - heard_ns > SILENCE_NS)
             return ctl_fail("the daemon has sent only %.0f %% of the picture", snapshot->coverage * 100);
     }
+}
+
+struct block {
+    float luminance, weight;
+};
+
+static int by_luminance(const void *a, const void *b)
+{
+    const struct block *p = a, *q = b;
+
+    return (p->luminance > q->luminance) - (p->luminance < q->luminance);
+}
+
+/* What brings the median luminance over the sphere to middle grey. Of blocks, not of pixels: half of the
+ * pixels of a noisy picture may be all but black. */
+static float auto_gain(const float *rgb, int width, int height)
+{
+    enum { BLOCK = 32 };
+    int columns = width / BLOCK, rows = height / BLOCK;
+    size_t count = (size_t)columns * (size_t)rows, i = 0;
+    struct block *blocks = calloc(count ? count : 1, sizeof(*blocks));
+    float half = 0, median = 0;
+
+    if (!blocks) return 1;
+    for (size_t b = 0; b < count; b++) {
+        size_t x = b % (size_t)columns * BLOCK, y = b / (size_t)columns * BLOCK;
+
+        for (size_t p = 0; p < BLOCK * BLOCK; p++) {
+            const float *c = &rgb[3 * ((y + p / BLOCK) * (size_t)width + x + p % BLOCK)];
+
+            blocks[b].luminance += 0.2126f * c[0] + 0.7152f * c[1] + 0.0722f * c[2];
+        }
+        blocks[b].luminance /= BLOCK * BLOCK;
+        blocks[b].weight = sinf(((float)y + BLOCK / 2) / (float)height * (float)M_PI);
+        half += blocks[b].weight / 2;
+    }
+    qsort(blocks, count, sizeof(*blocks), by_luminance);
+    for (; i < count && half > 0; i++) {
+        half -= blocks[i].weight;
+        median = blocks[i].luminance;
+    }
+    free(blocks);
+    return median > 0 && isfinite(GREY / median) ? GREY / median : 1;
+}
+
+static void expose(const struct ctl *ctl, float *rgb, int width, int height)
+{
+    float gain = ctl->exposure_auto ? auto_gain(rgb, width, height) : exp2f((float)ctl->exposure);
+
+    if (is_exr(ctl->operand[0])) return;
+    for (size_t i = 0; i < 3 * (size_t)width * (size_t)height; i++) rgb[i] *= gain;
 }
 
 static bool write_panorama(const struct snapshot *snapshot, const float *rgb)
@@ -133,6 +194,7 @@ static bool make(struct snapshot *snapshot)
     rgb = malloc((size_t)film->width * film->height * 3 * sizeof(*rgb));
     if (!rgb) return ctl_fail("out of memory");
     pro_picture_resolve(pro_picture(snapshot->client), rgb);
+    expose(ctl, rgb, (int)film->width, (int)film->height);
     good = ctl->given & CTL_VIEW ? write_view(snapshot, rgb, view) : write_panorama(snapshot, rgb);
     if (good) tell(snapshot, view);
     free(rgb);

@@ -1,4 +1,5 @@
-/* Is this an image of that size, finite, with something in every part of it? */
+/* Is this an image of that size, finite, with something in every part of it? Prints its mean in thousandths.
+ */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,7 +11,7 @@ enum { PARTS = 8 };
 int main(int argc, char **argv)
 {
     char error[RND_ERROR_SIZE];
-    double sum[PARTS][PARTS] = {{0}};
+    double sum[PARTS][PARTS] = {{0}}, all = 0;
     int width, height;
     float *rgb;
 
@@ -26,9 +27,12 @@ int main(int argc, char **argv)
                     rgb[3 * ((size_t)y * (size_t)width + (size_t)x) + (size_t)c];
     free(rgb);
     for (int y = 0; y < PARTS; y++)
-        for (int x = 0; x < PARTS; x++)
+        for (int x = 0; x < PARTS; x++) {
+            all += sum[y][x];
             if (!isfinite(sum[y][x]) || sum[y][x] <= 0)
                 return fprintf(stderr, "%s: part %d,%d of %d is black or not finite\n", argv[1], x, y, PARTS),
                        1;
+        }
+    printf("%.0f\n", 1000 * all / (3.0 * width * height));
     return 0;
 }

@@ -11,6 +11,13 @@ start --scene room.obj --size 1024x512 --gaze pointer --listen "unix:$place/fove
 "$foveactl" snapshot whole.exr --settle 0.2 --connect "$tcp"
 "$foveactl" snapshot ahead.jpg --view -30,10,90 --size 200x100 --json >ahead.json
 grep -q '"view_deg": \[' ahead.json || fail "$(cat ahead.json)"
+"$foveactl" snapshot bright.png --exposure 3 --settle 0.2
+"$foveactl" snapshot grey.png --exposure auto --settle 0.2
+[ "$("$programs/e2e_picture" bright.png 1024 512)" -gt "$("$programs/e2e_picture" whole.png 1024 512)" ] ||
+    fail "three stops make nothing brighter"
+grey=$("$programs/e2e_picture" grey.png 1024 512)
+[ "$grey" -gt 100 ] && [ "$grey" -lt 400 ] || fail "auto exposure gives a mean of $grey thousandths"
+refused exposure "$foveactl" snapshot grey.png --exposure bright
 refused gaze "$foveactl" snapshot gaze.png --view gaze,60
 "$programs/e2e_picture" whole.png 1024 512
 "$programs/e2e_picture" whole.exr 1024 512
