@@ -279,7 +279,9 @@ static bool read_node(struct import *in, const struct aiNode *node, const struct
     for (unsigned i = 0; !in->has_eye && i < in->file->mNumCameras; i++) {
         const struct aiCamera *camera = in->file->mCameras[i];
         if (strcmp(camera->mName.data, node->mName.data) != 0) continue;
-        const vec3s p = transform(&world, &camera->mPosition, 1.0f);
+        /* assimp repeats a glTF node's translation in its camera, which has no position of its own. */
+        const struct aiVector3D origin = {0, 0, 0};
+        const vec3s p = transform(&world, in->gltf ? &origin : &camera->mPosition, 1.0f);
         memcpy(in->scene->info.eye, p.raw, sizeof p);
         in->has_eye = isfinite(p.x) && isfinite(p.y) && isfinite(p.z);
     }
