@@ -32,3 +32,13 @@ grep -q '"mode": "fv"' end.json || fail "$(cat end.json)"
 "$fovead" --version | grep -q '^fovead [0-9]' || fail "no version"
 "$foveactl" --help | grep -q snapshot || fail "no help"
 "$foveactl" --version | grep -q '^foveactl [0-9]' || fail "no version"
+
+# Without a device, auto is the recording that comes with fovead: of an installed one, what is installed beside it.
+mkdir -p bin share/fovead
+cp "$fovead" bin/fovead
+cp short.gaze share/fovead/hall.gaze
+bin/fovead --scene room.obj --size 128x64 --gaze auto --until end --speed 0 --json >auto.json 2>/dev/null
+grep -q 'share/fovead/hall.gaze' auto.json && [ "$(number gaze_samples auto.json)" = 120 ] || fail "$(cat auto.json)"
+rm share/fovead/hall.gaze
+bin/fovead --scene room.obj --size 128x64 --gaze auto --until end --speed 0 --json >auto.json 2>/dev/null
+grep -qF "$source/fixtures/hall.gaze" auto.json || fail "$(cat auto.json)"
