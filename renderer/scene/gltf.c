@@ -85,24 +85,103 @@ static void read_material(struct rnd_scene *scene, const json_t *json, struct rn
         rnd_scene_unsupported(scene, "texture transforms");
 }
 
-bool rnd_import_gltf_extras(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE])
+/* --- which material is which ---
+ *
+ * assimp numbers materials in the order in which meshes first name them, children before parents, and leaves
+ * out those that nothing names; their names need not be there, nor differ. */
+
+enum { MAX_DEPTH = 256 };
+
+struct order {
+    size_t *material; /* indices in the file */
+    size_t count, size;
+};
+
+static void visit_mesh(struct order *order, const json_t *mesh)
+{
+    const json_t *primitives = json_object_get(mesh, "primitives");
+    for (size_t p = 0; p < json_array_size(primitives); p++) {
+        const json_t *index = json_object_get(json_array_get(primitives, p), "material");
+        const json_int_t m = json_is_integer(index) ? json_integer_value(index) : -1;
+        if (m < 0 || (size_t)m >= order->size) continue;
+        bool seen = false;
+        for (size_t i = 0; i < order->count && !seen; i++) seen = order->material[i] == (size_t)m;
+        if (!seen) order->material[order->count++] = (size_t)m;
+    }
+}
+
+static const json_t *indexed(const json_t *root, const char *list, const json_t *index)
+{
+    const json_int_t i = json_is_integer(index) ? json_integer_value(index) : -1;
+    return i < 0 ? NULL : json_array_get(json_object_get(root, list), (size_t)i);
+}
+
+static void visit_nodes(struct order *order, const json_t *root, const json_t *nodes, int depth)
+{
+    if (depth > MAX_DEPTH) return; /* a loop: assimp has refused it, or the import will */
+    for (size_t i = 0; i < json_array_size(nodes); i++) {
+        const json_t *node = indexed(root, "nodes", json_array_get(nodes, i));
+        visit_nodes(order, root, json_object_get(node, "children"), depth + 1);
+        visit_mesh(order, indexed(root, "meshes", json_object_get(node, "mesh")));
+    }
+}
+
+static bool same_name(const json_t *material, const char *name)
+{
+    const char *own = json_string_value(json_object_get(material, "name"));
+    return strcmp(own ? own : "", name) == 0;
+}
+
+/* The file's material that assimp made into its i-th, or NULL (its default material). */
+static const json_t *material_of(const json_t *materials, const struct order *order, size_t i,
+                                 const char *name)
+{
+    if (i < order->count) {
+        const json_t *material = json_array_get(materials, order->material[i]);
+        if (same_name(material, name)) return material;
+    }
+    for (size_t k = 0; k < json_array_size(materials); k++)
+        if (*name && same_name(json_array_get(materials, k), name)) return json_array_get(materials, k);
+    return NULL;
+}
+
+static bool read_materials(struct rnd_scene *scene, const json_t *root,
+                           const char *(*name)(const void *, uint32_t), const void *names)
+{
+    const json_t *materials = json_object_get(root, "materials");
+    const json_t *first = json_object_get(root, "scene");
+    const json_t *start =
+        first ? indexed(root, "scenes", first) : json_array_get(json_object_get(root, "scenes"), 0);
+    struct order order = {.size = json_array_size(materials)};
+    if (!(order.material = malloc((order.size + 1) * sizeof *order.material))) return false;
+    visit_nodes(&order, root, json_object_get(start, "nodes"), 0);
+    for (uint32_t i = 0; i < scene->material_count; i++) {
+        const json_t *material = material_of(materials, &order, i, name(names, i));
+        if (material) read_material(scene, material, &scene->material[i]);
+    }
+    free(order.material);
+    return true;
+}
+
+bool rnd_import_gltf_extras(struct rnd_scene *scene, const char *path,
+                            const char *(*name)(const void *, uint32_t), const void *names,
+                            char out_error[RND_ERROR_SIZE])
 {
     const char *dot = strrchr(path, '.');
     if (!dot || (strcasecmp(dot, ".gltf") != 0 && strcasecmp(dot, ".glb") != 0)) return true;
     json_t *root = load_json(path, out_error);
     if (!root) return false;
 
-    const json_t *materials = json_object_get(root, "materials");
-    for (size_t i = 0; i < json_array_size(materials) && i < scene->material_count; i++)
-        read_material(scene, json_array_get(materials, i), &scene->material[i]);
+    const bool ok = read_materials(scene, root, name, names);
+    if (!ok) snprintf(out_error, RND_ERROR_SIZE, "%.200s: not enough memory", path);
     if (json_array_size(json_object_get(root, "animations")) > 0) rnd_scene_unsupported(scene, "animations");
     if (json_array_size(json_object_get(root, "skins")) > 0) rnd_scene_unsupported(scene, "skins");
     const json_t *used = json_object_get(root, "extensionsUsed");
     for (size_t i = 0; i < json_array_size(used); i++) {
-        const char *name = json_string_value(json_array_get(used, i));
-        if (name && strcmp(name, "EXT_mesh_gpu_instancing") == 0)
+        const char *extension_name = json_string_value(json_array_get(used, i));
+        if (extension_name && strcmp(extension_name, "EXT_mesh_gpu_instancing") == 0)
             rnd_scene_unsupported(scene, "GPU instancing");
     }
     json_decref(root);
-    return true;
+    return ok;
 }

@@ -150,6 +150,15 @@ static bool read_mtl_material(struct import *in, const struct aiMaterial *from, 
     return true;
 }
 
+static const char *material_name(const void *context, uint32_t index)
+{
+    const struct import *in = context;
+    const struct aiMaterialProperty *name;
+    if (aiGetMaterialProperty(in->file->mMaterials[index], AI_MATKEY_NAME, &name) != aiReturn_SUCCESS)
+        return "";
+    return name->mDataLength > 4 ? name->mData + 4 : ""; /* a length of four bytes, then text and its end */
+}
+
 static bool read_materials(struct import *in)
 {
     struct rnd_scene *scene = in->scene;
@@ -170,7 +179,7 @@ static bool read_materials(struct import *in)
         if (!(in->gltf ? read_gltf_material : read_mtl_material)(in, in->file->mMaterials[i], to))
             return false;
     }
-    if (!rnd_import_gltf_extras(scene, in->path, in->error)) return false;
+    if (!rnd_import_gltf_extras(scene, in->path, material_name, in, in->error)) return false;
     for (uint32_t i = 0; i < scene->material_count; i++) {
         struct rnd_material *m = &scene->material[i];
         const bool lambert = m->specular == 0.0f && m->metallic == 0.0f && m->metal_rough_texture < 0;

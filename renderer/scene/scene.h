@@ -133,9 +133,12 @@ struct rnd_scene {
 /* import.c: geometry, materials, textures and punctual lights of a file. */
 bool rnd_import(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE]);
 
-/* gltf.c: what assimp drops of a glTF file: emissive strength and specular factor, by index of the material,
- * and the names of what the renderer does not do. Nothing happens for other files. */
-bool rnd_import_gltf_extras(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE]);
+/* gltf.c: what assimp drops of a glTF file: emissive strength and specular factor of every material, told apart by
+ * assimp's order and name(names, index), and the names of what the renderer does not do. Nothing happens for other
+ * files. */
+bool rnd_import_gltf_extras(struct rnd_scene *scene, const char *path,
+                            const char *(*name)(const void *names, uint32_t index), const void *names,
+                            char out_error[RND_ERROR_SIZE]);
 /* Add a name to the list of what is asked for and not done, once. */
 void rnd_scene_unsupported(struct rnd_scene *scene, const char *name);
 
