@@ -85,12 +85,61 @@ static void read_material(struct rnd_scene *scene, const json_t *json, struct rn
         rnd_scene_unsupported(scene, "texture transforms");
 }
 
+/* Make parent the parent of children[], or of the scene's roots if it is the number of nodes. False if one is
+ * not there or has a parent already; *out_bad is which. */
+static bool adopt(const json_t *children, json_int_t parent, json_int_t *parents, json_int_t nodes,
+                  json_int_t *out_bad)
+{
+    for (size_t i = 0; i < json_array_size(children); i++) {
+        const json_int_t child = *out_bad = json_integer_value(json_array_get(children, i));
+        if (child < 0 || child >= nodes || parents[child] >= 0) return false;
+        parents[child] = parent;
+    }
+    return true;
+}
+
+static bool check_nodes(const json_t *root, const char *path, char out_error[RND_ERROR_SIZE])
+{
+    const json_t *nodes = json_object_get(root, "nodes");
+    const json_t *scene = json_array_get(json_object_get(root, "scenes"),
+                                         (size_t)json_integer_value(json_object_get(root, "scene")));
+    const json_int_t count = (json_int_t)json_array_size(nodes);
+    json_int_t *parents = malloc(((size_t)count + 1) * sizeof *parents), bad = 0;
+    if (!parents) {
+        snprintf(out_error, RND_ERROR_SIZE, "%.200s: not enough memory", path);
+        return false;
+    }
+    for (json_int_t i = 0; i < count; i++) parents[i] = -1;
+    bool ok = adopt(json_object_get(scene, "nodes"), count, parents, count, &bad);
+    for (json_int_t i = 0; ok && i < count; i++)
+        ok = adopt(json_object_get(json_array_get(nodes, (size_t)i), "children"), i, parents, count, &bad);
+    if (!ok)
+        snprintf(out_error, RND_ERROR_SIZE,
+                 "%.200s: node %" JSON_INTEGER_FORMAT " is not there or has two parents", path, bad);
+    for (json_int_t i = 0; ok && i < count; i++) {
+        int depth = 0;
+        for (json_int_t k = i; k >= 0 && k < count && depth <= RND_NODE_DEPTH; k = parents[k]) depth++;
+        if (depth <= RND_NODE_DEPTH) continue;
+        snprintf(out_error, RND_ERROR_SIZE, "%.200s: nodes are nested more than %d deep", path,
+                 RND_NODE_DEPTH);
+        ok = false;
+    }
+    free(parents);
+    return ok;
+}
+
+bool rnd_gltf_check(const char *path, char out_error[RND_ERROR_SIZE])
+{
+    json_t *root = load_json(path, out_error);
+    const bool ok = root && check_nodes(root, path, out_error);
+    json_decref(root);
+    return ok;
+}
+
 /* --- which material is which ---
  *
  * assimp numbers materials in the order in which meshes first name them, children before parents, and leaves
  * out those that nothing names; their names need not be there, nor differ. */
-
-enum { MAX_DEPTH = 256 };
 
 struct order {
     size_t *material; /* indices in the file */
@@ -118,7 +167,7 @@ static const json_t *indexed(const json_t *root, const char *list, const json_t 
 
 static void visit_nodes(struct order *order, const json_t *root, const json_t *nodes, int depth)
 {
-    if (depth > MAX_DEPTH) return; /* a loop: assimp has refused it, or the import will */
+    if (depth > RND_NODE_DEPTH) return;
     for (size_t i = 0; i < json_array_size(nodes); i++) {
         const json_t *node = indexed(root, "nodes", json_array_get(nodes, i));
         visit_nodes(order, root, json_object_get(node, "children"), depth + 1);

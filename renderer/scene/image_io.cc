@@ -22,6 +22,7 @@ bool fail(char *out_error, size_t error_size, std::string text)
 bool read(OIIO::ImageInput &in, bool want_bytes, rnd_pixels &out, char *out_error, size_t error_size)
 {
     const OIIO::ImageSpec &spec = in.spec();
+    if (spec.depth > 1) return fail(out_error, error_size, "a volume, not a picture");
     if (spec.width <= 0 || spec.height <= 0 || (int64_t)spec.width * spec.height > RND_MAX_PIXELS)
         return fail(out_error, error_size, "image size out of range");
     out.width = spec.width;
@@ -66,9 +67,12 @@ extern "C" bool rnd_pixels_read(const char *path, const void *memory, size_t cou
     *out_pixels = rnd_pixels();
     try {
         OIIO::Filesystem::IOMemReader reader(const_cast<void *>(memory), count);
+        OIIO::Filesystem::IOProxy *proxy = &reader;
         OIIO::ImageSpec config;
         config.attribute("oiio:UnassociatedAlpha", 1);
-        auto in = OIIO::ImageInput::open(path, &config, memory ? &reader : nullptr);
+        // Not as open()'s own argument, which its reader of JPEG does not look at (2.4.7).
+        if (memory) config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+        auto in = OIIO::ImageInput::open(path, &config);
         if (!in) return fail(out_error, error_size, OIIO::geterror());
         const bool ok = read(*in, want_bytes, *out_pixels, out_error, error_size);
         in->close();

@@ -9,13 +9,16 @@
 #include <assimp/GltfMaterial.h>
 #include <assimp/ObjMaterial.h>
 
+#include <ctype.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
-enum { MAX_NODE_DEPTH = 256 };
-#define MAX_TRIANGLES 500000000ull
+#define MAX_TRIANGLES 500000000ull /* and as many vertices */
+/* Beyond this, m, the square of a triangle's area leaves float; and texture coordinates their texel. */
+#define MAX_COORDINATE 1e9f
 
 struct import {
     struct rnd_scene *scene;
@@ -23,6 +26,7 @@ struct import {
     const char *path;
     char directory[2048]; /* with its slash, or "" */
     bool gltf;            /* else OBJ and the like, whose materials are Phong's and have no sides */
+    uint64_t vertices;
     bool has_eye;
     char *error;
 };
@@ -46,6 +50,23 @@ void rnd_scene_unsupported(struct rnd_scene *scene, const char *name)
 
 /* --- materials --- */
 
+/* A glTF names files by URI; assimp leaves its %20 and the like as they are. In place. */
+static void decode_percent(char *text)
+{
+    char *to = text;
+    for (const char *from = text; *from; to++) {
+        unsigned byte;
+        if (*from == '%' && isxdigit((unsigned char)from[1]) && isxdigit((unsigned char)from[2]) &&
+            sscanf(from + 1, "%2x", &byte) == 1 && byte != 0) {
+            *to = (char)byte;
+            from += 3;
+        } else {
+            *to = *from++;
+        }
+    }
+    *to = 0;
+}
+
 /* Index of a material's texture, or -1 if it has none. False if it names one that cannot be read. */
 static bool read_texture(struct import *in, const struct aiMaterial *from, enum aiTextureType type, bool srgb,
                          int *out_index)
@@ -63,8 +84,8 @@ static bool read_texture(struct import *in, const struct aiMaterial *from, enum 
         if (i >= in->file->mNumTextures || in->file->mTextures[i]->mHeight != 0)
             return fail(in, "an embedded texture is not a compressed image");
         const struct aiTexture *texture = in->file->mTextures[i];
-        char label[64]; /* OpenImageIO goes by the ending */
-        snprintf(label, sizeof label, "texture %lu.%s", i,
+        char label[300]; /* OpenImageIO goes by the ending */
+        snprintf(label, sizeof label, "%.200s: texture %lu.%s", in->path, i,
                  strcmp(texture->achFormatHint, "jpeg") == 0 ? "jpg" : texture->achFormatHint);
         *out_index = rnd_texture_add(in->scene, label, texture->pcData, texture->mWidth, srgb, in->error);
         return *out_index >= 0;
@@ -75,6 +96,7 @@ static bool read_texture(struct import *in, const struct aiMaterial *from, enum 
         return fail(in, "a texture's path is too long");
     for (char *c = path; *c; c++)
         if (*c == '\\') *c = '/';
+    if (in->gltf && access(path, F_OK) != 0) decode_percent(path + strlen(path) - name.length);
     *out_index = rnd_texture_add(in->scene, path, NULL, 0, srgb, in->error);
     return *out_index >= 0;
 }
@@ -210,10 +232,11 @@ static bool read_vertices(struct import *in, const struct aiMesh *from, const st
     aiTransposeMatrix4(&inverse);
     for (uint32_t i = 0; i < to->vertices; i++) {
         const vec3s p = transform(world, &from->mVertices[i], 1.0f);
-        if (!isfinite(p.x) || !isfinite(p.y) || !isfinite(p.z)) {
-            snprintf(in->error, RND_ERROR_SIZE, "%.200s: vertex %u of mesh \"%.60s\" is not finite", in->path,
-                     i, from->mName.data);
-            return false;
+        if (!(fabsf(p.x) <= MAX_COORDINATE && fabsf(p.y) <= MAX_COORDINATE && fabsf(p.z) <= MAX_COORDINATE)) {
+            char what[160];
+            snprintf(what, sizeof what, "vertex %u of mesh \"%.60s\" is not finite or beyond %g m", i,
+                     from->mName.data, (double)MAX_COORDINATE);
+            return fail(in, what);
         }
         memcpy(to->position + 3 * (size_t)i, p.raw, sizeof p);
         for (int k = 0; k < 3; k++) {
@@ -226,8 +249,8 @@ static bool read_vertices(struct import *in, const struct aiMesh *from, const st
         }
         if (to->uv) {
             const struct aiVector3D *t = &from->mTextureCoords[0][i];
-            to->uv[2 * (size_t)i] = isfinite(t->x) ? t->x : 0.0f;
-            to->uv[2 * (size_t)i + 1] = isfinite(t->y) ? t->y : 0.0f;
+            to->uv[2 * (size_t)i] = fabsf(t->x) <= MAX_COORDINATE ? t->x : 0.0f;
+            to->uv[2 * (size_t)i + 1] = fabsf(t->y) <= MAX_COORDINATE ? t->y : 0.0f;
         }
     }
     return true;
@@ -240,7 +263,9 @@ static bool read_mesh(struct import *in, const struct aiMesh *from, const struct
     for (uint32_t f = 0; f < from->mNumFaces; f++) triangles += from->mFaces[f].mNumIndices == 3;
     if (triangles == 0) return true;
     scene->info.triangles += triangles;
-    if (scene->info.triangles > MAX_TRIANGLES) return fail(in, "more than 500 million triangles");
+    in->vertices += from->mNumVertices;
+    if (scene->info.triangles > MAX_TRIANGLES || in->vertices > MAX_TRIANGLES)
+        return fail(in, "more than 500 million triangles or vertices");
 
     struct rnd_mesh *grown = realloc(scene->mesh, (scene->mesh_count + 1) * sizeof *grown);
     if (!grown) return fail(in, "not enough memory");
@@ -280,7 +305,7 @@ static bool read_node(struct import *in, const struct aiNode *node, const struct
                       int depth)
 {
     struct aiMatrix4x4 world = *parent;
-    if (depth > MAX_NODE_DEPTH) return fail(in, "nodes are nested more than 256 deep");
+    if (depth > RND_NODE_DEPTH) return fail(in, "nodes are nested more than 256 deep");
     aiMultiplyMatrix4(&world, &node->mTransformation);
     for (unsigned i = 0; i < node->mNumMeshes; i++)
         if (!read_mesh(in, in->file->mMeshes[node->mMeshes[i]], &world)) return false;
@@ -330,7 +355,12 @@ bool rnd_import(struct rnd_scene *scene, const char *path, char out_error[RND_ER
 
     FILE *file = fopen(path, "rb"); /* assimp does not say why it cannot open a file */
     if (!file) return fail(&in, strerror(errno));
+    errno = 0;
+    const int first = fgetc(file); /* of a directory, this is what fails */
+    const int cause = errno;
     fclose(file);
+    if (first == EOF) return fail(&in, cause ? strerror(cause) : "is empty");
+    if (in.gltf && !rnd_gltf_check(path, out_error)) return false;
     in.file = aiImportFile(path, aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_FlipUVs);
     if (!in.file || !in.file->mRootNode) {
         const char *why = aiGetErrorString();

@@ -216,6 +216,11 @@ bool rnd_lights_build(struct rnd_scene *scene, const char *path, char out_error[
                  path);
         return false;
     }
+    if (!isfinite(sum)) {
+        snprintf(out_error, RND_ERROR_SIZE, "%.200s: its lights are too bright: their power is not finite",
+                 path);
+        return false;
+    }
     for (int i = 0; i < RND_LIGHT_GROUPS; i++)
         lights->choose[i] = power[i] > 0.0 ? (float)(0.5 / groups + 0.5 * power[i] / sum) : 0.0f;
     return true;

@@ -130,9 +130,14 @@ struct rnd_scene {
     RTCScene tree;
 };
 
+enum { RND_NODE_DEPTH = 256 };
+
 /* import.c: geometry, materials, textures and punctual lights of a file. */
 bool rnd_import(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE]);
 
+/* gltf.c: are the nodes of a glTF file trees of at most RND_NODE_DEPTH, as glTF 2.0 section 3.5.2 wants them?
+ * assimp would follow what is not to the end of memory. */
+bool rnd_gltf_check(const char *path, char out_error[RND_ERROR_SIZE]);
 /* gltf.c: what assimp drops of a glTF file: emissive strength and specular factor of every material, told apart by
  * assimp's order and name(names, index), and the names of what the renderer does not do. Nothing happens for other
  * files. */
