@@ -62,7 +62,9 @@ void rnd_alias_finish(struct rnd_alias *alias)
 
 uint32_t rnd_alias_draw(const struct rnd_alias *alias, float u, float v)
 {
-    uint32_t i = (uint32_t)((double)u * alias->count);
+    /* The 24 bits of one float do not reach every column of a large table: v is the bits below them. */
+    const double place = ((double)u + (double)v * 0x1p-24) * alias->count;
+    uint32_t i = (uint32_t)place;
     if (i >= alias->count) i = alias->count - 1;
-    return v < alias->keep[i] ? i : alias->other[i];
+    return place - i < alias->keep[i] ? i : alias->other[i];
 }

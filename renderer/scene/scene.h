@@ -66,7 +66,7 @@ struct rnd_alias {
 /* weights are not negative and not all zero. */
 bool rnd_alias_init(struct rnd_alias *alias, const float *weight, uint32_t count);
 void rnd_alias_finish(struct rnd_alias *alias);
-/* u chooses the column, v between its two entries. */
+/* From u in [0,1), whose bits below 2^-24 are v in [0,1). */
 uint32_t rnd_alias_draw(const struct rnd_alias *alias, float u, float v);
 
 struct rnd_punctual {
