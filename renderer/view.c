@@ -60,6 +60,36 @@ static vec3s trilinear(const struct mipmap *map, float u, float v, float level)
     return glms_vec3_lerp(bilinear(map, l0, u, v), bilinear(map, l1, u, v), l - (float)l0);
 }
 
+/* What a pixel of the view shows: its square, pixel a side at distance 1 from (x, y), by rays over which the
+ * mean is taken. Towards a pole texels crowd along the parallels, and so do the rays; what remains of the
+ * footprint is left to the mipmap, at the mean of the two axes' levels. */
+static vec3s pixel_mean(const struct mipmap *map, versors orientation, float x, float y, float pixel)
+{
+    enum { MOST = 4 }; /* rays a side */
+    const float texels_u = (float)(map->width[0] / (2.0 * M_PI)), texels_v = (float)(map->height[0] / M_PI);
+    const vec3s middle = {{x, y, -1.0f}}, d = glms_quat_rotatev(orientation, glms_vec3_normalize(middle));
+    const float angle = pixel / glms_vec3_norm2(middle), least = 1.0f / (float)map->width[0];
+    const float crowd =
+        angle * texels_u / fmaxf(sqrtf(d.x * d.x + d.z * d.z), least) / fmaxf(angle * texels_v, 1);
+    const int rays = crowd <= 1.0f ? 1 : (int)fminf(ceilf(sqrtf(crowd)), MOST);
+    const float step = pixel / (float)rays;
+    vec3s sum = glms_vec3_zero();
+    for (int i = 0; i < rays * rays; i++) {
+        const vec3s p = {{x + ((float)(i % rays) + 0.5f) * step - 0.5f * pixel,
+                          y + ((float)(i / rays) + 0.5f) * step - 0.5f * pixel, -1.0f}};
+        const vec3s ray = glms_quat_rotatev(orientation, glms_vec3_normalize(p));
+        float u, v;
+        rnd_to_uv(ray, &u, &v);
+        const float across =
+            angle / (float)rays * texels_u / fmaxf(sqrtf(ray.x * ray.x + ray.z * ray.z), least);
+        const float down = angle / (float)rays * texels_v;
+        const float level =
+            0.5f * (log2f(fmaxf(1.0f, fminf(across, (float)map->width[0]))) + log2f(fmaxf(1.0f, down)));
+        sum = glms_vec3_add(sum, trilinear(map, u, v, level));
+    }
+    return glms_vec3_scale(sum, 1.0f / (float)(rays * rays));
+}
+
 bool rnd_image_view(const float *rgb, int width, int height, const float orientation[4], float fov_x,
                     int out_width, int out_height, float *out_rgb)
 {
@@ -69,18 +99,8 @@ bool rnd_image_view(const float *rgb, int width, int height, const float orienta
     const float pixel = 2.0f * tanf(0.5f * fov_x) / (float)out_width; /* at distance 1 */
     for (int y = 0; y < out_height; y++)
         for (int x = 0; x < out_width; x++) {
-            const vec3s p = {{((float)x + 0.5f - 0.5f * out_width) * pixel,
-                              (0.5f * out_height - (float)y - 0.5f) * pixel, -1.0f}};
-            const vec3s d = glms_quat_rotatev(q, glms_vec3_normalize(p));
-            float u, v;
-            rnd_to_uv(d, &u, &v);
-            /* Footprint of the pixel in texels: along a parallel they crowd towards the poles. The two axes'
-             * levels are averaged: sharp enough near the horizon, calm enough at a pole. */
-            const float angle = pixel / glms_vec3_norm2(p);
-            const float across =
-                angle / fmaxf(sqrtf(d.x * d.x + d.z * d.z), 1e-4f) * (float)(width / (2.0 * M_PI));
-            const float down = angle * (float)(height / M_PI);
-            const vec3s c = trilinear(&map, u, v, 0.5f * (log2f(across) + log2f(down)));
+            const vec3s c = pixel_mean(&map, q, ((float)x + 0.5f - 0.5f * out_width) * pixel,
+                                       (0.5f * out_height - (float)y - 0.5f) * pixel, pixel);
             glm_vec3_copy((float *)c.raw, out_rgb + 3 * ((size_t)y * out_width + x));
         }
     free(map.own);
