@@ -93,22 +93,24 @@ bool rnd_image_write_channels(const char *path, int width, int height, int chann
 bool rnd_image_write(const char *path, int width, int height, const float *rgb, bool equirectangular,
                      char out_error[RND_ERROR_SIZE])
 {
-    const size_t length = strlen(path), count = (size_t)width * height * 3;
-    const bool linear =
-        length > 4 && (strcmp(path + length - 4, ".exr") == 0 || strcmp(path + length - 4, ".hdr") == 0);
-    const enum rnd_channel_type type = linear ? RND_HALF : RND_BYTE;
+    const char *dot = strrchr(path, '.');
+    const bool exr = dot && strcasecmp(dot, ".exr") == 0, hdr = dot && strcasecmp(dot, ".hdr") == 0;
+    const enum rnd_channel_type type = exr ? RND_HALF : hdr ? RND_FLOAT : RND_BYTE;
     const struct rnd_channel channel[3] = {{"R", type}, {"G", type}, {"B", type}};
-    if (linear)
+    if (hdr)
         return rnd_image_write_channels(path, width, height, 3, channel, rgb, equirectangular, out_error);
 
-    float *display = malloc(count * sizeof *display);
-    if (!display) {
+    const float largest_half = 65504.0f; /* beyond it a sun would be infinite */
+    const size_t count = (size_t)width * height * 3;
+    float *stored = malloc(count * sizeof *stored);
+    if (!stored) {
         snprintf(out_error, RND_ERROR_SIZE, "%.200s: not enough memory", path);
         return false;
     }
-    for (size_t i = 0; i < count; i++) display[i] = rnd_srgb_encode(rgb[i]);
+    for (size_t i = 0; i < count; i++)
+        stored[i] = !exr ? rnd_srgb_encode(rgb[i]) : rgb[i] > largest_half ? largest_half : rgb[i];
     const bool ok =
-        rnd_image_write_channels(path, width, height, 3, channel, display, equirectangular, out_error);
-    free(display);
+        rnd_image_write_channels(path, width, height, 3, channel, stored, equirectangular, out_error);
+    free(stored);
     return ok;
 }
