@@ -1,5 +1,5 @@
-/* Materials by themselves: what is drawn follows the density stated, weights are what BSDF and density say,
- * reciprocity, and no light from nothing. */
+/* What paths draw from, by itself: materials, whose draws follow the density stated and whose weights are
+ * what BSDF and density say, reciprocal, with no light from nothing; and tables of weights. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -245,10 +245,53 @@ static void dielectric(void **state)
     }
 }
 
+/* Draws from a table follow its weights, none falls on a weight of zero, and the second number alone tells
+ * the columns apart that the first has no bits for. */
+static void tables(void **state)
+{
+    (void)state;
+    enum { COUNT = 300, DRAWN = 300000 };
+    float weight[COUNT];
+    double count[COUNT] = {0}, expected[COUNT];
+    struct rnd_alias alias;
+    double sum = 0.0;
+    for (uint32_t i = 0; i < COUNT; i++)
+        sum += weight[i] = i % 7 == 3 ? 0 : (float)pow(stat_uniform(3, i), 4);
+    assert_true(rnd_alias_init(&alias, weight, COUNT));
+    assert_float_equal(alias.sum, sum, 1e-9);
+    for (uint32_t i = 0; i < DRAWN; i++)
+        count[rnd_alias_draw(&alias, stat_uniform(4, 2 * i), stat_uniform(4, 2 * i + 1))]++;
+    for (int i = 0; i < COUNT; i++) {
+        assert_float_equal(alias.probability[i], weight[i] / sum, 1e-7);
+        if (weight[i] == 0.0f) assert_true(count[i] == 0.0);
+        expected[i] = DRAWN * weight[i] / sum;
+    }
+    const double p = stat_chi_square_p(count, expected, COUNT);
+    print_message("alias table: p %.3f\n", p);
+    assert_true(p > LEAST_P);
+    rnd_alias_finish(&alias);
+
+    const float one = 1.0f;
+    assert_true(rnd_alias_init(&alias, &one, 1));
+    assert_int_equal(rnd_alias_draw(&alias, 0x1.fffffep-1f, 0x1.fffffep-1f), 0);
+    rnd_alias_finish(&alias);
+
+    /* as many columns as an environment map of 8192 x 4096 has, all alike */
+    const uint32_t large = 1u << 25;
+    alias = (struct rnd_alias){.count = large, .keep = malloc(large * sizeof *alias.keep)};
+    assert_non_null(alias.keep);
+    for (uint32_t i = 0; i < large; i++) alias.keep[i] = 1.0f;
+    assert_int_equal(rnd_alias_draw(&alias, 0x1p-24f, 0.0f), 2);
+    assert_int_equal(rnd_alias_draw(&alias, 0x1p-24f, 0.5f), 3);
+    assert_int_equal(rnd_alias_draw(&alias, 0x1.fffffep-1f, 0x1.fffffep-1f), large - 1);
+    rnd_alias_finish(&alias);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(draws_follow_density), cmocka_unit_test(weights),    cmocka_unit_test(reciprocity),
+        cmocka_unit_test(draws_follow_density), cmocka_unit_test(weights),
+        cmocka_unit_test(reciprocity),          cmocka_unit_test(tables),
         cmocka_unit_test(below_and_delta),      cmocka_unit_test(dielectric),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -43,12 +43,12 @@ static inline int files_teardown(void **state)
     return nftw(files_directory, files_remove, 8, FTW_DEPTH | FTW_PHYS);
 }
 
-/* Path of a file of that name; valid until the fourth call after. */
+/* Path of a file of that name; valid until the sixteenth call after. */
 static inline const char *files_path(const char *name)
 {
-    static char path[4][512];
+    static char path[16][512];
     static int next;
-    char *to = path[next++ % 4];
+    char *to = path[next++ % 16];
     snprintf(to, sizeof path[0], "%s/%s", files_directory, name);
     return to;
 }
@@ -113,33 +113,68 @@ static inline const char *files_base64(const void *bytes, size_t count)
     return text;
 }
 
-/* A glTF of one square in the plane y = 0, 2 half metres a side, that faces up, with texture coordinates
- * from 0 to 1 along x and z. nodes, materials and more are JSON: the nodes that name mesh 0, the materials
- * that the mesh names one of, and whatever else with a comma before it. */
+/* Vertices and indices of a square in the plane y = 0, 2 half metres a side, that faces up, with texture
+ * coordinates from 0 to 1 along x and z. */
+struct files_square {
+    float vertex[20];
+    uint16_t index[6];
+};
+
+static inline struct files_square files_square(float half)
+{
+    return (struct files_square){
+        .vertex = {-half, 0, -half, -half, 0, half, half, 0, half, half, 0, -half, 0, 0, 0, 1, 1, 1, 1, 0},
+        .index = {0, 1, 2, 0, 2, 3}};
+}
+
+/* The JSON of a glTF of that square, its length returned: nodes, materials and more are JSON: the nodes that
+ * name mesh 0, the materials that the mesh names the first of, and whatever else with a comma before it. uri
+ * is its buffer's, with a comma before it, or "". */
+static inline size_t files_gltf_text(char *text, size_t size, float half, const char *nodes,
+                                     const char *materials, const char *more, const char *uri)
+{
+    return (size_t)snprintf(
+        text, size,
+        "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\n\"nodes\":[%s],\n"
+        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},\"indices\":2,"
+        "\"material\":0}]}],\n\"materials\":[%s],\n"
+        "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\",\"min\":[%g,0,"
+        "%g],"
+        "\"max\":[%g,0,%g]},{\"bufferView\":1,\"componentType\":5126,\"count\":4,\"type\":\"VEC2\"},"
+        "{\"bufferView\":2,\"componentType\":5123,\"count\":6,\"type\":\"SCALAR\"}],\n"
+        "\"bufferViews\":[{\"buffer\":0,\"byteOffset\":0,\"byteLength\":48},"
+        "{\"buffer\":0,\"byteOffset\":48,\"byteLength\":32},{\"buffer\":0,\"byteOffset\":80,\"byteLength\":"
+        "12}],\n"
+        "\"buffers\":[{\"byteLength\":92%s}]%s}\n",
+        nodes, materials, -half, -half, half, half, uri, more);
+}
+
+/* As .gltf, its buffer inside as base64. */
 static inline const char *files_gltf(const char *name, float half, const char *nodes, const char *materials,
                                      const char *more)
 {
-    const float vertex[20] = {-half, 0,     -half, -half, 0, half, half, 0, half, half,
-                              0,     -half, 0,     0,     0, 1,    1,    1, 1,    0};
-    const uint16_t index[6] = {0, 1, 2, 0, 2, 3};
-    uint8_t bytes[sizeof vertex + sizeof index];
-    static char text[100000];
-    memcpy(bytes, vertex, sizeof vertex);
-    memcpy(bytes + sizeof vertex, index, sizeof index);
-    snprintf(text, sizeof text,
-             "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\n\"nodes\":[%s],\n"
-             "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},\"indices\":2,"
-             "\"material\":0}]}],\n\"materials\":[%s],\n"
-             "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\",\"min\":["
-             "%g,0,%g],"
-             "\"max\":[%g,0,%g]},{\"bufferView\":1,\"componentType\":5126,\"count\":4,\"type\":\"VEC2\"},"
-             "{\"bufferView\":2,\"componentType\":5123,\"count\":6,\"type\":\"SCALAR\"}],\n"
-             "\"bufferViews\":[{\"buffer\":0,\"byteOffset\":0,\"byteLength\":48},"
-             "{\"buffer\":0,\"byteOffset\":48,\"byteLength\":32},{\"buffer\":0,\"byteOffset\":80,"
-             "\"byteLength\":12}],\n"
-             "\"buffers\":[{\"byteLength\":92,\"uri\":\"data:application/octet-stream;base64,%s\"}]%s}\n",
-             nodes, materials, -half, -half, half, half, files_base64(bytes, sizeof bytes), more);
+    static char text[600000], uri[400];
+    const struct files_square square = files_square(half);
+    snprintf(uri, sizeof uri, ",\"uri\":\"data:application/octet-stream;base64,%.200s\"",
+             files_base64(&square, 92));
+    files_gltf_text(text, sizeof text, half, nodes, materials, more, uri);
     return files_text(name, text);
+}
+
+/* As .glb, its buffer the second chunk. */
+static inline const char *files_glb(const char *name, float half, const char *nodes, const char *materials,
+                                    const char *more)
+{
+    static char bytes[100000];
+    const struct files_square square = files_square(half);
+    size_t json = files_gltf_text(bytes + 20, sizeof bytes - 200, half, nodes, materials, more, "");
+    while (json % 4) bytes[20 + json++] = ' ';
+    const uint32_t head[5] = {0x46546c67, 2, (uint32_t)json + 20 + 8 + 92, (uint32_t)json, 0x4e4f534a},
+                   chunk[2] = {92, 0x004e4942};
+    memcpy(bytes, head, sizeof head);
+    memcpy(bytes + 20 + json, chunk, sizeof chunk);
+    memcpy(bytes + 28 + json, &square, 92);
+    return files_write(name, bytes, 120 + json);
 }
 
 /* A room of 4 x 3 x 4 m around the origin with coloured walls, a lamp, a glossy box, a mirror and a glass

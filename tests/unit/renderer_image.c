@@ -1,0 +1,195 @@
+/* Pictures: written and read, seen through a rectilinear view, and measured. */
+#include "renderer_files.h"
+
+static const double deg = M_PI / 180.0;
+
+/* --- files --- */
+
+/* What is written is read: linear files to their precision, others as 8-bit sRGB. */
+static void round_trip(void **state)
+{
+    (void)state;
+    enum { W = 17, H = 5, COUNT = W * H * 3 };
+    static const struct {
+        const char *name;
+        double relative, absolute, largest;
+    } kinds[] = {{"a.exr", 5e-4, 1e-7, 65504},
+                 {"A.EXR", 5e-4, 1e-7, 65504},
+                 {"a.hdr", 0.01, 1e-3, 1e9},
+                 {"a.png", 0.02, 0.002, 1},
+                 {"a.tif", 0.02, 0.002, 1}};
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+        float rgb[COUNT];
+        char error[RND_ERROR_SIZE] = "";
+        int width = 0, height = 0;
+        for (int i = 0; i < COUNT; i++) {
+            /* a pixel's channels alike, since RGBE shares an exponent; one brighter than any half */
+            const double v = i / 3 == 7 ? 1e6 : pow(1.2, i / 3 % 40 - 25);
+            rgb[i] = (float)fmin(v, kinds[k].largest == 1 ? 1 : v);
+        }
+        if (!rnd_image_write(files_path(kinds[k].name), W, H, rgb, true, error)) fail_msg("%s", error);
+        float *back = rnd_image_read(files_path(kinds[k].name), &width, &height, error);
+        if (!back) fail_msg("%s", error);
+        assert_int_equal(width, W);
+        assert_int_equal(height, H);
+        for (int i = 0; i < COUNT; i++) {
+            const double v = fmin(rgb[i], kinds[k].largest);
+            assert_float_equal(back[i], v, kinds[k].relative * v + kinds[k].absolute);
+        }
+        free(back);
+    }
+}
+
+static void refused(void **state)
+{
+    (void)state;
+    static const char *const unwritable[] = {"noending", "none.", "odd.xyz", "no/such/folder.png"};
+    const float rgb[3] = {0, 1, 2};
+    char error[RND_ERROR_SIZE];
+    int width, height;
+    for (size_t i = 0; i < sizeof unwritable / sizeof *unwritable; i++) {
+        error[0] = 0;
+        assert_false(rnd_image_write(files_path(unwritable[i]), 1, 1, rgb, false, error));
+        assert_non_null(strstr(error, unwritable[i]));
+        assert_null(strchr(error, '\n'));
+        assert_int_not_equal(access(files_path(unwritable[i]), F_OK), 0);
+    }
+    assert_null(rnd_image_read(files_path("gone.png"), &width, &height, error));
+    assert_non_null(strstr(error, "gone.png"));
+    assert_null(rnd_image_read(files_text("words.exr", "not a picture"), &width, &height, error));
+    assert_non_null(strstr(error, "words.exr"));
+    assert_null(strchr(error, '\n'));
+    files_text("empty.png", "");
+    assert_null(rnd_image_read(files_path("empty.png"), &width, &height, error));
+}
+
+/* --- views --- */
+
+/* A panorama that shows each direction as a colour. */
+static float *compass(int width)
+{
+    const int height = width / 2;
+    float *rgb = malloc((size_t)width * height * 3 * sizeof *rgb);
+    assert_non_null(rgb);
+    for (int i = 0; i < width * height; i++) {
+        const double azimuth = ((i % width + 0.5) / width - 0.5) * 2.0 * M_PI,
+                     elevation = (0.5 - (i / width + 0.5) / height) * M_PI;
+        rgb[3 * i] = (float)(cos(elevation) * sin(azimuth));
+        rgb[3 * i + 1] = (float)sin(elevation);
+        rgb[3 * i + 2] = (float)(-cos(elevation) * cos(azimuth));
+    }
+    return rgb;
+}
+
+/* Rotation about an axis, as a quaternion. */
+static void turn(const double axis[3], double angle_deg, float out[4])
+{
+    for (int c = 0; c < 3; c++) out[c] = (float)(axis[c] * sin(0.5 * angle_deg * deg));
+    out[3] = (float)cos(0.5 * angle_deg * deg);
+}
+
+static void directions(void **state)
+{
+    (void)state;
+    enum { W = 65, H = 49 };
+    const double fov = 80 * deg, edge = tan(0.5 * fov) * (W - 1.0) / W, rise = edge * (H - 1.0) / (W - 1.0);
+    static const struct {
+        double axis[3], angle;
+        double ahead[3], right[3]; /* what is seen in the middle and to its right */
+    } cases[] = {
+        {{0, 1, 0}, 0, {0, 0, -1}, {1, 0, 0}},  {{0, 1, 0}, 90, {-1, 0, 0}, {0, 0, -1}},
+        {{0, 1, 0}, -90, {1, 0, 0}, {0, 0, 1}}, {{0, 1, 0}, 180, {0, 0, 1}, {-1, 0, 0}},
+        {{1, 0, 0}, 90, {0, 1, 0}, {1, 0, 0}},  {{1, 0, 0}, -90, {0, -1, 0}, {1, 0, 0}},
+        {{0, 0, 1}, 90, {0, 0, -1}, {0, 1, 0}}, {{1, 0, 0}, 30, {0, 0.5, -0.8660254}, {1, 0, 0}},
+    };
+    float *panorama = compass(1024);
+    static float view[W * H * 3];
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        const double *a = cases[k].ahead, *r = cases[k].right;
+        const double up[3] = {r[1] * a[2] - r[2] * a[1], r[2] * a[0] - r[0] * a[2],
+                              r[0] * a[1] - r[1] * a[0]};
+        float q[4];
+        turn(cases[k].axis, cases[k].angle, q);
+        assert_true(rnd_image_view(panorama, 1024, 512, q, (float)fov, W, H, view));
+        for (int i = 0; i < 9; i++) {
+            const int x = i % 3 - 1, y = 1 - i / 3;
+            const double px = x * edge, py = y * rise, l = sqrt(1 + px * px + py * py);
+            const float *seen = view + 3 * ((1 - y) * (H / 2) * W + (x + 1) * (W / 2));
+            for (int c = 0; c < 3; c++)
+                assert_float_equal(seen[c], (a[c] + px * r[c] + py * up[c]) / l, 0.012);
+        }
+    }
+    free(panorama);
+}
+
+/* Stripes along meridians are seen at the horizon and melt into grey at the poles, where they crowd; across
+ * the seam they go on. */
+static void calm_poles(void **state)
+{
+    (void)state;
+    enum { WIDTH = 2048, HEIGHT = 1024, SIDE = 128 };
+    float *stripes = malloc(sizeof *stripes * WIDTH * HEIGHT * 3), q[4];
+    static float view[SIDE * SIDE * 3];
+    assert_non_null(stripes);
+    for (int i = 0; i < WIDTH * HEIGHT * 3; i++) stripes[i] = i / 3 % WIDTH / 2 % 2 ? 1.0f : 0.0f;
+    static const struct {
+        double axis[3], angle, fov, least, most; /* standard deviation expected of the view */
+    } cases[] = {{{0, 1, 0}, 180, 10, 0.3, 0.5}, {{1, 0, 0}, 90, 8, 0, 0.1}, {{1, 0, 0}, -90, 8, 0, 0.1}};
+    for (int k = 0; k < 3; k++) {
+        turn(cases[k].axis, cases[k].angle, q);
+        assert_true(rnd_image_view(stripes, WIDTH, HEIGHT, q, (float)(cases[k].fov * deg), SIDE, SIDE, view));
+        double sum = 0.0, square = 0.0;
+        for (int i = 0; i < SIDE * SIDE; i++) {
+            sum += view[3 * i];
+            square += (double)view[3 * i] * view[3 * i];
+        }
+        const double mean = sum / (SIDE * SIDE), spread = sqrt(square / (SIDE * SIDE) - mean * mean);
+        print_message("stripes seen at %g degrees: mean %.3f, spread %.3f\n", cases[k].angle, mean, spread);
+        assert_float_equal(mean, 0.5, 0.03);
+        assert_true(spread >= cases[k].least && spread <= cases[k].most);
+    }
+    free(stripes);
+}
+
+/* --- relative RMSE --- */
+
+static void relative_rmse(void **state)
+{
+    (void)state;
+    enum { WIDTH = 256, HEIGHT = 128, COUNT = WIDTH * HEIGHT };
+    static float reference[3 * COUNT], test[3 * COUNT];
+    const float ahead[3] = {0, 0, -1}, up[3] = {0, 1, 0}, seam[3] = {0, 0, 1};
+    for (int i = 0; i < 3 * COUNT; i++) reference[i] = 2.0f;
+    memcpy(test, reference, sizeof test);
+    assert_true(rnd_relative_rmse(test, reference, WIDTH, HEIGHT, ahead, 4) == 0.0);
+    for (int i = 0; i < 3 * COUNT; i++) test[i] = 3.0f;
+    assert_float_equal(rnd_relative_rmse(test, reference, WIDTH, HEIGHT, ahead, 4), 0.5, 1e-6);
+    assert_float_equal(rnd_relative_rmse(test, reference, WIDTH, HEIGHT, up, 0.1f), 0.5, 1e-6);
+
+    /* wrong by its own size within an angle of the pole: a share (1 - cos) / 2 of the sphere */
+    memcpy(test, reference, sizeof test);
+    for (int i = 0; i < 3 * COUNT; i++)
+        if (i / 3 / WIDTH < 21) test[i] = 0.0f;
+    const double cosine = cos(21.0 / HEIGHT * M_PI), share = (1 - cosine) / 2;
+    assert_float_equal(rnd_relative_rmse(test, reference, WIDTH, HEIGHT, ahead, 4), sqrt(share), 0.003);
+    assert_float_equal(rnd_relative_rmse(test, reference, WIDTH, HEIGHT, up, (float)(25 * deg)), 1, 1e-6);
+    assert_true(rnd_relative_rmse(test, reference, WIDTH, HEIGHT, ahead, (float)(50 * deg)) == 0.0);
+    assert_float_equal(rnd_relative_rmse(test, reference, WIDTH, HEIGHT, up, (float)(60 * deg)),
+                       sqrt((1 - cosine) / (1 - cos(60 * deg))), 0.01);
+
+    /* luminance alone counts, and the seam is no edge */
+    memcpy(test, reference, sizeof test);
+    for (int i = 0; i < COUNT; i++) test[3 * i + 1] += 0.2f;
+    assert_float_equal(rnd_relative_rmse(test, reference, WIDTH, HEIGHT, seam, 0.5f), 0.7152 * 0.1, 1e-5);
+    memset(reference, 0, sizeof reference);
+    assert_true(isinf(rnd_relative_rmse(test, reference, WIDTH, HEIGHT, ahead, 4)));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(round_trip), cmocka_unit_test(refused),       cmocka_unit_test(directions),
+        cmocka_unit_test(calm_poles), cmocka_unit_test(relative_rmse),
+    };
+    return cmocka_run_group_tests_name("renderer_image", tests, files_setup, files_teardown);
+}
