@@ -40,7 +40,7 @@ void dmn_report_progress(struct dmn_bar *bar, const struct dmn_options *options,
 {
     bool terminal = isatty(STDERR_FILENO);
     uint64_t now_ns = dmn_now_ns();
-    char spent[24], left[24], line[200];
+    char share[8], spent[24], left[24], line[200];
     double paths = (double)work->paths / ((double)options->render.width * options->render.height);
 
     if (options->until.kind == DMN_UNTIL_STOPPED) return;
@@ -53,8 +53,12 @@ void dmn_report_progress(struct dmn_bar *bar, const struct dmn_options *options,
         print_time(work->seconds / work->share - work->seconds, left, sizeof(left));
     else
         snprintf(left, sizeof(left), "?");
-    snprintf(line, sizeof(line), "%3.0f %%  %.4g paths/px  %.2f Mpaths/s  %s, %s left",
-             floor(work->share * 100), paths, work->paths_per_second * 1e-6, spent, left);
+    if (options->until.kind == DMN_UNTIL_END)
+        snprintf(share, sizeof(share), "  -");
+    else
+        snprintf(share, sizeof(share), "%3.0f", floor(work->share * 100));
+    snprintf(line, sizeof(line), "%s %%  %.4g paths/px  %.2f Mpaths/s  %s, %s left", share, paths,
+             work->paths_per_second * 1e-6, spent, left);
     if (terminal) {
         int full = (int)(work->share * BAR);
 

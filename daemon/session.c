@@ -79,8 +79,20 @@ static bool same_token(const char *want, const char *have)
     return !differ;
 }
 
+/* What the client calls itself joins its name in the log, as far as it is plain text. */
+static void note_name(struct dmn_session *session, const char *name)
+{
+    size_t length = strlen(session->peer), room = sizeof(session->peer) - 1;
+
+    if (*name && length + 2 < room) length += (size_t)sprintf(session->peer + length, ", ");
+    for (; *name && length < room; name++)
+        if (*name >= ' ' && *name <= '~') session->peer[length++] = *name;
+    session->peer[length] = '\0';
+}
+
 static bool take_hello(struct dmn_session *session, const Fovea__Hello *hello, char out_error[PRO_ERROR_SIZE])
 {
+    note_name(session, hello->client);
     if (hello->version != PRO_VERSION)
         return fail(out_error, "it speaks version %u of the protocol, not %d", hello->version, PRO_VERSION);
     if (session->options.token && !same_token(session->options.token, hello->token))

@@ -18,7 +18,7 @@ wait "$watcher" || fail "the honest client: $(cat watch.err)"
 # Fine tiles came all the time; 128 of them make the film.
 [ "$(number tiles_received watch.json)" -gt 150 ] || fail "the honest client got little: $(cat watch.json)"
 [ "$(number paths watch.json)" -gt 10000 ] || fail "rendering stood still: $(cat watch.json)"
-lines=$(grep -c '^fovead: client [0-9]* (process [0-9]*) dropped: ' daemon.err)
+lines=$(grep -c '^fovead: client [0-9]* (process [0-9]*\(, hostile\)*) dropped: ' daemon.err)
 [ "$lines" -ge 12 ] && [ "$lines" -le 13 ] || fail "$lines clients were dropped, of $kinds"
 "$foveactl" stats >/dev/null
 stop

@@ -19,9 +19,9 @@ grey=$("$programs/e2e_picture" grey.png 1024 512)
 [ "$grey" -gt 100 ] && [ "$grey" -lt 400 ] || fail "auto exposure gives a mean of $grey thousandths"
 refused exposure "$foveactl" snapshot grey.png --exposure bright
 refused gaze "$foveactl" snapshot gaze.png --view gaze,60
-"$programs/e2e_picture" whole.png 1024 512
-"$programs/e2e_picture" whole.exr 1024 512
-"$programs/e2e_picture" ahead.jpg 200 100
+"$programs/e2e_picture" whole.png 1024 512 >/dev/null
+"$programs/e2e_picture" whole.exr 1024 512 >/dev/null
+"$programs/e2e_picture" ahead.jpg 200 100 >/dev/null
 
 # The gaze goes where it is sent, and the picture is finest there.
 "$foveactl" look -90,0
@@ -41,7 +41,7 @@ grep -q -e '-90.0 degrees right' view.txt || fail "$(cat view.txt)"
 
 # Only this user's clients have files written; relative names are the client's.
 "$foveactl" save saved.exr | grep -qF "$place/saved.exr" || fail "not told where"
-"$programs/e2e_picture" saved.exr 1024 512
+"$programs/e2e_picture" saved.exr 1024 512 >/dev/null
 refused socket "$foveactl" save tcp.exr --connect "$tcp"
 [ ! -e tcp.exr ] || fail "a client over TCP had a file written"
 refused no/such "$foveactl" save no/such/folder.exr
@@ -50,7 +50,7 @@ mkdir taken.exr
 refused taken.exr "$foveactl" save taken.exr
 
 "$foveactl" samples saved.exr samples.png --gaze short.gaze
-"$programs/e2e_picture" samples.png 1024 512
+"$programs/e2e_picture" samples.png 1024 512 >/dev/null
 refused samples "$foveactl" samples whole.exr samples.png
 stop
 [ "$(wc -l <daemon.err)" = 0 ] || fail "the daemon complains: $(cat daemon.err)"
