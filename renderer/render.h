@@ -16,7 +16,6 @@ struct rnd_render {
     struct rnd_worker *worker; /* one for each thread of the pool */
     int workers;
     uint32_t seed;
-    int max_bounces;
     uint32_t next_place; /* positions drawn so far: the index of the next one */
 
     /* the batch under way */
@@ -25,6 +24,7 @@ struct rnd_render {
     uint32_t *pixel;   /* tile * RND_TILE_PIXELS + pixel within it */
     uint32_t *order;   /* paths sorted by tile, first drawn first */
     uint32_t *start;   /* where each tile's paths begin in order; tiles + 1 */
+    uint32_t *chunk;   /* tiles at which the shares of work begin; at most tiles + 1 */
 };
 
 #endif

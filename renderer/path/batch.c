@@ -16,15 +16,15 @@
 
 enum {
     OUTLINE = 16, /* pixels a side of the cells of the first coarse picture */
-    SHARE = 32,   /* paths that a thread takes at a time, at least */
+    CHUNK = 256,  /* paths that a thread takes at a time, about */
     MAX_THREADS = 1024,
 };
 
 struct rnd_worker {
-    struct rnd_tracer tracer;
-    uint64_t not_finite;
+    struct rnd_tracer *tracer;
+    uint64_t rays, not_finite;
     struct rnd_sample *sample; /* capacity of the batch */
-    uint32_t capacity;
+    struct rnd_path path[RND_WAVE];
     uint32_t
         before[RND_TILE_PIXELS]; /* paths of this batch that a pixel has had so far; zero between tiles */
 };
@@ -34,8 +34,9 @@ struct work {
     const struct rnd_aim *aim;
     uint64_t now_ns;
     uint32_t paths;
-    bool drawn;            /* positions come from the distribution, else from the cells of the outline */
-    _Atomic uint32_t next; /* tile that no thread has taken yet */
+    bool drawn; /* positions come from the distribution, else from the cells of the outline */
+    uint32_t chunks;
+    _Atomic uint32_t next; /* chunk that no thread has taken yet */
 };
 
 static double seconds(void)
@@ -55,11 +56,11 @@ static uint32_t pixel_index(const struct rnd_film *film, int x, int y)
 
 static void place_drawn(struct rnd_render *render, const struct rnd_aim *aim, uint32_t first, uint32_t end)
 {
-    enum { CHUNK = 256 };
+    enum { DRAW = 256 };
     const struct rnd_film *film = &render->film;
-    float u[2 * CHUNK];
-    for (uint32_t i = first; i < end; i += CHUNK) {
-        const uint32_t n = end - i < CHUNK ? end - i : CHUNK;
+    float u[2 * DRAW];
+    for (uint32_t i = first; i < end; i += DRAW) {
+        const uint32_t n = end - i < DRAW ? end - i : DRAW;
         float *place = render->place + 3 * (size_t)i;
         for (uint32_t k = 0; k < n; k++) rnd_pair(render->seed, 0, render->next_place + i + k, u + 2 * k);
         render->distribution->sample(aim, n, u, place);
@@ -109,63 +110,86 @@ static void sort(struct rnd_render *render, uint32_t paths)
     start[0] = 0;
 }
 
+/* Cut the sorted paths where a tile ends into chunks of about CHUNK; returns their number. */
+static uint32_t cut(struct rnd_render *render)
+{
+    const uint32_t tiles = (uint32_t)(render->film.across * render->film.down);
+    uint32_t chunks = 0, begin = 0;
+    render->chunk[0] = 0;
+    for (uint32_t t = 1; t <= tiles; t++)
+        if (render->start[t] - render->start[begin] >= CHUNK || t == tiles)
+            render->chunk[++chunks] = begin = t;
+    return chunks;
+}
+
 /* --- what --- */
 
-/* Trace the next path of a pixel: its place within it and all that follows are its own random numbers. */
-static void trace_pixel(const struct rnd_render *render, struct rnd_worker *worker, int x, int y,
-                        struct rnd_sample *sample)
+/* Aim the next path of a pixel: its place within it and all that follows are its own random numbers. */
+static void aim_path(const struct rnd_render *render, uint32_t tile, const struct rnd_sample *sample,
+                     struct rnd_path *path)
 {
-    const uint32_t pixel = (uint32_t)y * (uint32_t)render->film.width + (uint32_t)x;
-    const uint32_t seed = rnd_hash2(render->seed, 2 * pixel + (sample->number & 1)),
-                   index = sample->number >> 1;
+    const uint32_t across = (uint32_t)render->film.across;
+    const uint32_t x = tile % across * RND_TILE + sample->pixel % RND_TILE;
+    const uint32_t y = tile / across * RND_TILE + sample->pixel / RND_TILE;
+    const uint32_t pixel = y * (uint32_t)render->film.width + x;
     float u[2];
-    rnd_pair(seed, RND_DIMENSION_PIXEL, index, u);
-    const vec3s d = rnd_from_uv(((float)x + u[0]) / (float)render->film.width,
-                                ((float)y + u[1]) / (float)render->film.height);
-    const vec3s rgb = rnd_trace(&worker->tracer, rnd_vec(render->scene->info.eye), d, seed, index);
-    const bool finite = isfinite(rgb.x) && isfinite(rgb.y) && isfinite(rgb.z);
-    worker->not_finite += !finite;
-    for (int c = 0; c < 3; c++) sample->rgb[c] = finite ? rgb.raw[c] : 0.0f;
+    path->seed = rnd_hash2(render->seed, 2 * pixel + (sample->number & 1));
+    path->index = sample->number >> 1;
+    path->origin = rnd_vec(render->scene->info.eye);
+    rnd_pair(path->seed, RND_DIMENSION_PIXEL, path->index, u);
+    path->direction = rnd_from_uv(((float)x + u[0]) / (float)render->film.width,
+                                  ((float)y + u[1]) / (float)render->film.height);
 }
 
-static void trace_tile(const struct work *work, struct rnd_worker *worker, uint32_t tile)
+static void trace_wave(struct rnd_worker *worker, struct rnd_sample *samples, uint32_t count)
+{
+    worker->rays += rnd_trace(worker->tracer, worker->path, count);
+    for (uint32_t i = 0; i < count; i++) {
+        const vec3s rgb = worker->path[i].radiance;
+        const bool finite = isfinite(rgb.x) && isfinite(rgb.y) && isfinite(rgb.z);
+        worker->not_finite += !finite;
+        for (int c = 0; c < 3; c++) samples[i].rgb[c] = finite ? rgb.raw[c] : 0.0f;
+    }
+}
+
+/* A chunk: the paths of some neighbouring tiles, traced in waves and then added tile by tile. */
+static void trace_chunk(const struct work *work, struct rnd_worker *worker, uint32_t first_tile,
+                        uint32_t end_tile)
 {
     struct rnd_render *render = work->render;
-    struct rnd_film_tile *film_tile = &render->film.tile[tile];
-    const uint32_t first = render->start[tile], count = render->start[tile + 1] - first;
-    const int left = (int)tile % render->film.across * RND_TILE,
-              top = (int)tile / render->film.across * RND_TILE;
-    for (uint32_t i = 0; i < count; i++) {
-        struct rnd_sample *sample = &worker->sample[i];
-        sample->pixel = render->pixel[render->order[first + i]] % RND_TILE_PIXELS;
-        /* No other thread writes these counts while this one has the tile. */
-        sample->number = film_tile->count[sample->pixel] + worker->before[sample->pixel]++;
-        trace_pixel(render, worker, left + (int)(sample->pixel % RND_TILE),
-                    top + (int)(sample->pixel / RND_TILE), sample);
+    const uint32_t *start = render->start;
+    const uint32_t base = start[first_tile];
+    uint32_t waiting = 0; /* paths of the wave that is being filled */
+    for (uint32_t t = first_tile; t < end_tile; t++) {
+        struct rnd_film_tile *tile = &render->film.tile[t];
+        for (uint32_t i = start[t]; i < start[t + 1]; i++) {
+            struct rnd_sample *sample = &worker->sample[i - base];
+            sample->pixel = render->pixel[render->order[i]] % RND_TILE_PIXELS;
+            /* No other thread writes these counts while this one has the tile. */
+            sample->number = tile->count[sample->pixel] + worker->before[sample->pixel]++;
+            aim_path(render, t, sample, &worker->path[waiting]);
+            if (++waiting < RND_WAVE) continue;
+            trace_wave(worker, sample + 1 - waiting, waiting);
+            waiting = 0;
+        }
+        for (uint32_t i = start[t]; i < start[t + 1]; i++) worker->before[worker->sample[i - base].pixel] = 0;
     }
-    for (uint32_t i = 0; i < count; i++) worker->before[worker->sample[i].pixel] = 0;
-    rnd_film_add(&render->film, film_tile, worker->sample, count, work->aim, work->now_ns);
+    trace_wave(worker, worker->sample + (start[end_tile] - base) - waiting, waiting);
+    for (uint32_t t = first_tile; t < end_tile; t++)
+        if (start[t + 1] > start[t])
+            rnd_film_add(&render->film, &render->film.tile[t], worker->sample + start[t] - base,
+                         start[t + 1] - start[t], work->aim, work->now_ns);
 }
 
-/* Take tiles until none is left, a few at a time where they hold little. */
+/* Take chunks until none is left. Where they begin depends on the batch alone. */
 static void trace(void *context, int index)
 {
     struct work *work = context;
     struct rnd_render *render = work->render;
-    const uint32_t tiles = (uint32_t)(render->film.across * render->film.down);
-    const uint32_t *start = render->start;
-    uint32_t first = atomic_load_explicit(&work->next, memory_order_relaxed);
     for (;;) {
-        uint32_t end;
-        do {
-            for (end = first; end < tiles && start[end] - start[first] < SHARE; end++) {
-            }
-        } while (!atomic_compare_exchange_weak_explicit(&work->next, &first, end, memory_order_relaxed,
-                                                        memory_order_relaxed));
-        if (first == end) break;
-        for (uint32_t t = first; t < end; t++)
-            if (start[t + 1] > start[t]) trace_tile(work, &render->worker[index], t);
-        first = end;
+        const uint32_t i = atomic_fetch_add_explicit(&work->next, 1, memory_order_relaxed);
+        if (i >= work->chunks) break;
+        trace_chunk(work, &render->worker[index], render->chunk[i], render->chunk[i + 1]);
     }
 }
 
@@ -198,17 +222,17 @@ static void run(struct work *work, struct rnd_batch *out_batch)
     if (!reserve(render, work->paths)) return; /* no memory: a batch without a path */
     for (int i = 0; i < render->workers; i++) {
         struct rnd_worker *worker = &render->worker[i];
-        worker->tracer = (struct rnd_tracer){.scene = render->scene, .max_bounces = render->max_bounces};
-        worker->not_finite = 0;
+        worker->rays = worker->not_finite = 0;
     }
     rnd_pool_run(render->pool, place, work);
     sort(render, work->paths);
+    work->chunks = cut(render);
     out_batch->place_seconds = seconds() - start;
     rnd_pool_run(render->pool, trace, work);
 
     out_batch->paths = work->paths;
     for (int i = 0; i < render->workers; i++) {
-        out_batch->rays += render->worker[i].tracer.rays;
+        out_batch->rays += render->worker[i].rays;
         out_batch->not_finite += render->worker[i].not_finite;
     }
     out_batch->seconds = seconds() - start;
@@ -251,13 +275,16 @@ struct rnd_render *rnd_render_create(const struct rnd_scene *scene, const struct
     render->scene = scene;
     render->distribution = options->distribution;
     render->seed = rnd_hash2((uint32_t)options->seed, (uint32_t)(options->seed >> 32));
-    render->max_bounces = options->max_bounces;
     render->workers = (int)threads;
     render->worker = calloc((size_t)threads, sizeof *render->worker);
     render->pool = rnd_pool_create((int)threads);
     const size_t tiles = (size_t)(width / RND_TILE) * (size_t)(height / RND_TILE);
     render->start = malloc((tiles + 1) * sizeof *render->start);
-    if (render->worker && render->pool && render->start &&
+    render->chunk = malloc((tiles + 1) * sizeof *render->chunk);
+    bool ok = render->worker && render->pool && render->start && render->chunk;
+    for (long i = 0; ok && i < threads; i++)
+        ok = (render->worker[i].tracer = rnd_tracer_create(scene, options->max_bounces)) != NULL;
+    if (ok &&
         rnd_film_init(&render->film, width, height, options->error_bar > 0.0f ? options->error_bar : 0.05f))
         return render;
 no_memory:
@@ -270,12 +297,16 @@ void rnd_render_destroy(struct rnd_render *render)
 {
     if (!render) return;
     rnd_pool_destroy(render->pool);
-    for (int i = 0; render->worker && i < render->workers; i++) free(render->worker[i].sample);
+    for (int i = 0; render->worker && i < render->workers; i++) {
+        free(render->worker[i].sample);
+        rnd_tracer_destroy(render->worker[i].tracer);
+    }
     free(render->worker);
     free(render->place);
     free(render->pixel);
     free(render->order);
     free(render->start);
+    free(render->chunk);
     rnd_film_finish(&render->film);
     free(render);
 }

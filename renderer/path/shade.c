@@ -8,25 +8,25 @@
 /* Below this GGX's peak outgrows float; a mirror is a lobe of this width. */
 #define MIN_ALPHA 1e-3f
 
-void rnd_surface_at(const struct rnd_scene *scene, const struct RTCRayHit *hit, struct rnd_surface *out)
+void rnd_surface_at(const struct rnd_scene *scene, const struct rnd_hit *hit, vec3s direction,
+                    struct rnd_surface *out)
 {
-    const struct rnd_mesh *mesh = &scene->mesh[hit->hit.geomID];
+    const struct rnd_mesh *mesh = &scene->mesh[hit->mesh];
     const struct rnd_material *material = &scene->material[mesh->material];
-    const uint32_t *index = mesh->index[hit->hit.primID];
-    const float u = hit->hit.u, v = hit->hit.v;
-    const vec3s d = {{hit->ray.dir_x, hit->ray.dir_y, hit->ray.dir_z}};
+    const uint32_t *index = mesh->index[hit->triangle];
+    const float u = hit->u, v = hit->v;
 
     out->material = material;
     for (int c = 0; c < 3; c++) out->position.raw[c] = rnd_interpolate(mesh->position, 3, c, index, u, v);
-    const vec3s outside = glms_vec3_normalize((vec3s){{hit->hit.Ng_x, hit->hit.Ng_y, hit->hit.Ng_z}});
-    out->front = glms_vec3_dot(outside, d) < 0.0f;
+    const vec3s outside = glms_vec3_normalize(hit->normal);
+    out->front = glms_vec3_dot(outside, direction) < 0.0f;
     out->geometric = out->front ? outside : glms_vec3_negate(outside);
     out->shading = out->geometric;
     if (mesh->normal) {
         vec3s n;
         for (int c = 0; c < 3; c++) n.raw[c] = rnd_interpolate(mesh->normal, 3, c, index, u, v);
         n = glms_vec3_normalize(out->front ? n : glms_vec3_negate(n));
-        if (glms_vec3_dot(n, d) < 0.0f && glms_vec3_dot(n, out->geometric) > 0.0f) out->shading = n;
+        if (glms_vec3_dot(n, direction) < 0.0f && glms_vec3_dot(n, out->geometric) > 0.0f) out->shading = n;
     }
     out->base = material->base;
     out->metallic = material->metallic;

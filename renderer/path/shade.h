@@ -15,8 +15,17 @@ struct rnd_surface {
     vec3s emission;        /* towards where the ray came from */
 };
 
-/* The surface at an Embree hit. */
-void rnd_surface_at(const struct rnd_scene *scene, const struct RTCRayHit *hit, struct rnd_surface *out);
+/* What a ray hit. */
+struct rnd_hit {
+    uint32_t mesh, triangle; /* mesh is RTC_INVALID_GEOMETRY_ID if it hit nothing */
+    float u, v;              /* barycentric */
+    float distance;
+    vec3s normal; /* of the triangle, of any length: its outside is where the vertices turn left */
+};
+
+/* The surface at a hit of a ray with that direction. */
+void rnd_surface_at(const struct rnd_scene *scene, const struct rnd_hit *hit, vec3s direction,
+                    struct rnd_surface *out);
 
 /* BSDF times cosine for light from wi leaving along wo (unit, away from the surface), and the density with
  * which rnd_bsdf_draw() draws wi, per steradian. Zero for smooth dielectrics, which have no such density. */
@@ -36,5 +45,13 @@ bool rnd_bsdf_draw(const struct rnd_surface *surface, vec3s wo, const float u[3]
 /* The position moved off the surface towards the side that direction points to, so that a ray from it does
  * not hit the triangle that it left (Waechter and Binder 2019, Ray Tracing Gems ch. 6). */
 vec3s rnd_leave(const struct rnd_surface *surface, vec3s direction);
+
+/* Weight of a direction drawn with density pdf that another way would draw with density other (Veach 1997,
+ * power heuristic with exponent 2). */
+static inline float rnd_power_heuristic(float pdf, float other)
+{
+    const float r = other / pdf;
+    return 1.0f / (1.0f + r * r);
+}
 
 #endif

@@ -1,7 +1,7 @@
 /* Lights: emissive triangles, environment, sun, punctual lights; drawn one at a time for next-event
  * estimation.
  *
- * A shading point chooses a group, half by power and half evenly, then a light within the group by power.
+ * A shading point chooses a group, then a light within the group by power.
  */
 #include "scene/scene.h"
 
@@ -143,6 +143,7 @@ static bool build_area(struct rnd_scene *scene, double *out_power)
 {
     struct rnd_lights *lights = &scene->lights;
     uint64_t count = 0;
+    double sum = 0.0;
     for (uint32_t m = 0; m < scene->mesh_count; m++)
         if (rnd_luminance(scene->material[scene->mesh[m].material].emission.raw) > 0.0f)
             count += scene->mesh[m].triangles;
@@ -158,29 +159,33 @@ static bool build_area(struct rnd_scene *scene, double *out_power)
         mesh->first_light = lights->area_count;
         for (uint32_t t = 0; t < mesh->triangles; t++) {
             power[lights->area_count] = triangle_power(scene, mesh, t);
-            *out_power += power[lights->area_count];
+            sum += power[lights->area_count];
             lights->area[lights->area_count++] = (struct rnd_triangle_ref){m, t};
         }
     }
-    if (ok && *out_power > 0.0) ok = rnd_alias_init(&lights->area_alias, power, lights->area_count);
+    lights->choose[RND_LIGHT_AREA] = sum > 0.0;
+    *out_power = sum;
+    if (ok && sum > 0.0) ok = rnd_alias_init(&lights->area_alias, power, lights->area_count);
     free(power);
     return ok;
 }
 
-static bool build_punctual(struct rnd_scene *scene, double radius, double *out_power)
+static bool build_punctual(struct rnd_scene *scene, double *out_power)
 {
     struct rnd_lights *lights = &scene->lights;
     if (lights->punctual_count == 0) return true;
-    float *power = malloc(lights->punctual_count * sizeof *power);
+    const float radius =
+        0.5f * glms_vec3_distance(rnd_vec(scene->info.bounds[0]), rnd_vec(scene->info.bounds[1]));
+    float *power = malloc(lights->punctual_count * sizeof *power), sum = 0.0f;
     if (!power) return false;
     for (uint32_t i = 0; i < lights->punctual_count; i++) {
         const struct rnd_punctual *light = &lights->punctual[i];
-        const double reach = light->kind == RND_DIRECTIONAL ? M_PI * radius * radius : 4.0 * M_PI;
-        power[i] = (float)(rnd_luminance(light->intensity.raw) * reach);
-        *out_power += power[i];
+        const float reach = light->kind == RND_DIRECTIONAL ? radius * radius : 4.0f;
+        sum += power[i] = rnd_luminance(light->intensity.raw) * reach * (float)M_PI;
     }
-    const bool ok =
-        !(*out_power > 0.0) || rnd_alias_init(&lights->punctual_alias, power, lights->punctual_count);
+    lights->choose[RND_LIGHT_PUNCTUAL] = sum > 0.0f;
+    *out_power = sum;
+    const bool ok = !(sum > 0.0f) || rnd_alias_init(&lights->punctual_alias, power, lights->punctual_count);
     free(power);
     return ok;
 }
@@ -188,42 +193,25 @@ static bool build_punctual(struct rnd_scene *scene, double radius, double *out_p
 bool rnd_lights_build(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE])
 {
     struct rnd_lights *lights = &scene->lights;
-    const vec3s low = rnd_vec(scene->info.bounds[0]), high = rnd_vec(scene->info.bounds[1]);
-    const double radius = 0.5 * glms_vec3_distance(low, high);
-    double power[RND_LIGHT_GROUPS] = {0}, sum = 0.0;
-    if (!build_area(scene, &power[RND_LIGHT_AREA]) ||
-        !build_punctual(scene, radius, &power[RND_LIGHT_PUNCTUAL])) {
+    double area = 0.0, punctual = 0.0;
+    if (!build_area(scene, &area) || !build_punctual(scene, &punctual)) {
         snprintf(out_error, RND_ERROR_SIZE, "%.200s: not enough memory for its lights", path);
         return false;
     }
-    if (lights->env) {
-        const double mean = lights->env->alias.sum / 9.0 / lights->env->alias.count * M_PI / 2.0;
-        power[RND_LIGHT_ENV] = mean * M_PI * M_PI * radius * radius;
-    }
-    if (lights->sun) {
-        const float cap = lights->sun->cos_radius < 1.0f ? sun_cap(lights->sun) * 2.0f * (float)M_PI : 1.0f;
-        power[RND_LIGHT_SUN] = rnd_luminance(lights->sun->radiance.raw) * cap * M_PI * radius * radius;
-    }
-    int groups = 0;
-    for (int i = 0; i < RND_LIGHT_GROUPS; i++) {
-        sum += power[i];
-        groups += power[i] > 0.0;
-    }
-    if (groups == 0) {
-        snprintf(out_error, RND_ERROR_SIZE,
-                 "%.200s: nothing in the scene gives light: expected an emissive material, a light, --env or "
-                 "--sun",
-                 path);
-        return false;
-    }
-    if (!isfinite(sum)) {
+    if (!isfinite(area + punctual + (lights->sun ? lights->sun->radiance.x : 0.0f))) {
         snprintf(out_error, RND_ERROR_SIZE, "%.200s: its lights are too bright: their power is not finite",
                  path);
         return false;
     }
+    lights->choose[RND_LIGHT_ENV] = lights->env != NULL;
+    lights->choose[RND_LIGHT_SUN] = lights->sun && rnd_luminance(lights->sun->radiance.raw) > 0.0f;
     for (int i = 0; i < RND_LIGHT_GROUPS; i++)
-        lights->choose[i] = power[i] > 0.0 ? (float)(0.5 / groups + 0.5 * power[i] / sum) : 0.0f;
-    return true;
+        if (lights->choose[i] > 0.0f) return true;
+    snprintf(
+        out_error, RND_ERROR_SIZE,
+        "%.200s: nothing in the scene gives light: expected an emissive material, a light, --env or --sun",
+        path);
+    return false;
 }
 
 void rnd_lights_finish(struct rnd_lights *lights)
@@ -351,6 +339,21 @@ static bool draw_punctual(const struct rnd_lights *lights, vec3s point, const fl
     return falloff > 0.0f;
 }
 
+bool rnd_light_draw_from(const struct rnd_scene *scene, int group, vec3s point, const float u[4],
+                         struct rnd_light_sample *out)
+{
+    switch (group) {
+    case RND_LIGHT_AREA:
+        return draw_area(scene, point, u, out);
+    case RND_LIGHT_ENV:
+        return draw_env(&scene->lights, u, out);
+    case RND_LIGHT_SUN:
+        return draw_sun(&scene->lights, u, out);
+    default:
+        return draw_punctual(&scene->lights, point, u, out);
+    }
+}
+
 bool rnd_light_draw(const struct rnd_scene *scene, vec3s point, const float u[4],
                     struct rnd_light_sample *out)
 {
@@ -361,14 +364,5 @@ bool rnd_light_draw(const struct rnd_scene *scene, vec3s point, const float u[4]
         if (lights->choose[i] > 0.0f) last = i;
     for (; group < last && v[0] >= lights->choose[group]; group++) v[0] -= lights->choose[group];
     v[0] = fminf(v[0] / lights->choose[group], 0x1.fffffep-1f); /* what is left of it chooses again */
-    switch (group) {
-    case RND_LIGHT_AREA:
-        return draw_area(scene, point, v, out);
-    case RND_LIGHT_ENV:
-        return draw_env(lights, v, out);
-    case RND_LIGHT_SUN:
-        return draw_sun(lights, v, out);
-    default:
-        return draw_punctual(lights, point, v, out);
-    }
+    return rnd_light_draw_from(scene, group, point, v, out);
 }

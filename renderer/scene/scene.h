@@ -155,7 +155,7 @@ int rnd_texture_add(struct rnd_scene *scene, const char *path, const void *memor
 /* light.c */
 bool rnd_env_load(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE]);
 void rnd_sun_init(struct rnd_sun *sun, const float options[4]);
-/* After the geometry: find what emits and make the tables. */
+/* After the geometry: find what emits and make the tables; choose is 1 for every group that gives light. */
 bool rnd_lights_build(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE]);
 void rnd_lights_finish(struct rnd_lights *lights);
 /* Radiance of environment and sun from a direction, and the density with which rnd_light_draw would have
@@ -163,9 +163,14 @@ void rnd_lights_finish(struct rnd_lights *lights);
 vec3s rnd_env_radiance(const struct rnd_env *env, vec3s direction);
 float rnd_env_pdf(const struct rnd_env *env, vec3s direction);
 float rnd_sun_pdf(const struct rnd_sun *sun); /* within its disc */
-/* Draw a light for the point from four numbers in [0,1). False if what was drawn does not reach it. */
+/* Draw a light for the point from four numbers in [0,1): of a group, or of one chosen by lights.choose. False
+ * if what was drawn does not reach it. */
 bool rnd_light_draw(const struct rnd_scene *scene, vec3s point, const float u[4],
                     struct rnd_light_sample *out);
+bool rnd_light_draw_from(const struct rnd_scene *scene, int group, vec3s point, const float u[4],
+                         struct rnd_light_sample *out);
+/* path/survey.c: look around from the eye and set lights.choose by what really arrives of each group. */
+void rnd_survey_lights(struct rnd_scene *scene);
 /* Density per steradian of drawing the point that a ray hit on an emissive triangle. */
 float rnd_area_pdf(const struct rnd_scene *scene, uint32_t mesh, uint32_t triangle, vec3s direction,
                    float distance);

@@ -1,0 +1,102 @@
+/* A look around before the work: how much of each group of lights really arrives.
+ *
+ * A shading point asks one group for light. The noise is least when each is asked as often as the root mean
+ * square of what it then gives (Veach 1997, section 9.2), and that is not its power: most of a sky is hidden
+ * from a room. A few thousand paths from the eye ask all groups at every point and see. What they find
+ * changes the noise and never the mean.
+ */
+#include "path/shade.h"
+#include "path/trace.h"
+#include "sampler.h"
+
+enum { PATHS = 4096, BOUNCES = 3, SEED = 0x5eed };
+
+/* No group is asked less often than this share of an even choice: the survey may have missed a place. */
+#define LEAST 0.2f
+
+static struct RTCRay ray(vec3s origin, vec3s direction, float far)
+{
+    return (struct RTCRay){.org_x = origin.x,
+                           .org_y = origin.y,
+                           .org_z = origin.z,
+                           .dir_x = direction.x,
+                           .dir_y = direction.y,
+                           .dir_z = direction.z,
+                           .tfar = far,
+                           .mask = UINT32_MAX};
+}
+
+/* What a group gives to a surface if it is asked: luminance, weighted as the integrator weights it. */
+static float ask(const struct rnd_scene *scene, int group, const struct rnd_surface *surface, vec3s wo,
+                 const float u[4])
+{
+    struct rnd_light_sample light;
+    float pdf;
+    if (!rnd_light_draw_from(scene, group, surface->position, u, &light)) return 0.0f;
+    const vec3s f = glms_vec3_mul(rnd_bsdf(surface, wo, light.direction, &pdf), light.radiance);
+    const float given =
+        rnd_luminance(f.raw) / light.pdf * (light.delta ? 1.0f : rnd_power_heuristic(light.pdf, pdf));
+    if (!(given > 0.0f)) return 0.0f;
+    struct RTCIntersectContext context;
+    struct RTCRay shadow =
+        ray(rnd_leave(surface, light.direction), light.direction, light.distance * (1.0f - 1e-4f));
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(scene->tree, &context, &shadow);
+    return shadow.tfar < 0.0f ? 0.0f : given;
+}
+
+static void walk(const struct rnd_scene *scene, uint32_t index, double square[RND_LIGHT_GROUPS])
+{
+    float u[4];
+    rnd_pair(SEED, 0, index, u);
+    vec3s origin = rnd_vec(scene->info.eye), direction, throughput = glms_vec3_one();
+    rnd_direction(2.0f * (float)M_PI * u[0], asinf(2.0f * u[1] - 1.0f), direction.raw);
+    for (uint32_t depth = 0; depth < BOUNCES; depth++) {
+        struct RTCIntersectContext context;
+        struct RTCRayHit hit = {.ray = ray(origin, direction, INFINITY),
+                                .hit = {.geomID = RTC_INVALID_GEOMETRY_ID}};
+        rtcInitIntersectContext(&context);
+        rtcIntersect1(scene->tree, &context, &hit);
+        if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return;
+
+        struct rnd_surface surface;
+        struct rnd_bsdf_sample sample;
+        rnd_surface_at(scene,
+                       &(struct rnd_hit){.mesh = hit.hit.geomID,
+                                         .triangle = hit.hit.primID,
+                                         .u = hit.hit.u,
+                                         .v = hit.hit.v,
+                                         .distance = hit.ray.tfar,
+                                         .normal = {{hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z}}},
+                       direction, &surface);
+        const vec3s wo = glms_vec3_negate(direction);
+        for (int g = 0; g < RND_LIGHT_GROUPS; g++) {
+            if (!(scene->lights.choose[g] > 0.0f)) continue;
+            rnd_pair(SEED, 1 + 8 * depth + 2 * (uint32_t)g, index, u);
+            rnd_pair(SEED, 2 + 8 * depth + 2 * (uint32_t)g, index, u + 2);
+            const double given = ask(scene, g, &surface, wo, u) * rnd_luminance(throughput.raw);
+            square[g] += given * given;
+        }
+        rnd_pair(SEED, 100 + 2 * depth, index, u);
+        rnd_pair(SEED, 101 + 2 * depth, index, u + 2);
+        if (!rnd_bsdf_draw(&surface, wo, u, &sample)) return;
+        throughput = glms_vec3_mul(throughput, sample.weight);
+        origin = rnd_leave(&surface, sample.wi);
+        direction = sample.wi;
+    }
+}
+
+void rnd_survey_lights(struct rnd_scene *scene)
+{
+    double square[RND_LIGHT_GROUPS] = {0}, sum = 0.0;
+    int groups = 0;
+    /* Until here every group that gives light is chosen with 1: densities are those within it. */
+    for (int g = 0; g < RND_LIGHT_GROUPS; g++) groups += scene->lights.choose[g] > 0.0f;
+    for (uint32_t i = 0; groups > 1 && i < PATHS; i++) walk(scene, i, square);
+    for (int g = 0; g < RND_LIGHT_GROUPS; g++) sum += sqrt(square[g]);
+    for (int g = 0; g < RND_LIGHT_GROUPS; g++) {
+        if (!(scene->lights.choose[g] > 0.0f)) continue;
+        const float even = 1.0f / (float)groups, share = sum > 0.0 ? (float)(sqrt(square[g]) / sum) : even;
+        scene->lights.choose[g] = LEAST * even + (1.0f - LEAST) * share;
+    }
+}
