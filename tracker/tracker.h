@@ -1,8 +1,7 @@
 /* tracker: where the eye looks.
  *
- * A source delivers gaze samples: a recorded log, a synthetic observer, a pointer moved by a client; eye
- * trackers on HID and USB take their place in the same table. This folder knows nothing of pixels or
- * sockets.
+ * A source delivers gaze samples: an eye tracker on HID or USB, a recorded log, a synthetic observer, a pointer
+ * moved by a client. This folder knows nothing of pixels or sockets.
  *
  * Conventions
  * - Frames follow OpenXR and glTF: right-handed, +X right, +Y up, -Z forward; metres, radians; quaternions
@@ -29,6 +28,7 @@ enum {
     TRK_DIRECTION = 1 << 0,      /* combined gaze direction */
     TRK_ORIGIN = 1 << 1,         /* combined gaze origin */
     TRK_HEAD = 1 << 2,           /* head pose */
+    TRK_SCREEN = 1 << 3,         /* the point on a screen that the eyes look at */
     TRK_LEFT_DIRECTION = 1 << 4, /* the right eye's bits are the left eye's shifted by 4 */
     TRK_LEFT_ORIGIN = 1 << 5,
     TRK_LEFT_OPENNESS = 1 << 6,
@@ -55,6 +55,10 @@ struct trk_sample {
     float origin[3];       /* m, head frame */
     struct trk_eye eye[2]; /* left, right */
     float head[7];         /* position x y z (m), orientation x y z w: head to world */
+    float screen[2];       /* share of the screen's width and height, from its top left corner */
+    /* When the device took it, on the clock of arrival_ns: device time mapped, late by the least delay there
+     * is, never after arrival_ns. 0 if the source has no device clock. */
+    uint64_t sensor_ns;
 };
 
 /* The gaze direction in the world: direction rotated by the head pose if there is one.
@@ -74,8 +78,8 @@ struct trk_log {
 
 /* Read a log of any known format, told by its first line. On failure returns false with a line in
  * out_error and leaves *out_log empty. Refused: what is no regular file, no rows, unknown header, time or
- * sequence going back, non-finite numbers, directions that are not of unit length, a last line that is cut
- * off, more than 64 Mi rows or 104 days. The caller frees with trk_log_finish(). */
+ * sequence going back, non-finite numbers, directions that are not of unit length,
+ * more than 64 Mi rows or 104 days. A last line of the own format that a crash has torn is dropped. The caller frees with trk_log_finish(). */
 bool trk_log_read(const char *path, struct trk_log *out_log, char out_error[TRK_ERROR_SIZE]);
 
 /* Write a log in the project's own format (documented in log/own.h); it appears whole or not at all. */
@@ -87,9 +91,20 @@ void trk_log_finish(struct trk_log *log);
 
 struct trk_source;
 
+/* The screen that an eye tracker on a desk looks from; 0 is unknown. */
+struct trk_screen {
+    float width_m, height_m; /* of the calibrated area */
+    float distance_m;        /* of the eyes from its middle */
+};
+
 struct trk_source_options {
-    /* "auto", "replay:FILE", "synthetic", "synthetic:SEED" or "pointer". */
+    /* "auto", "hid", "hid:PATH", "psvr2", "replay:FILE", "synthetic", "synthetic:SEED" or "pointer". */
     const char *spec;
+    /* hid: what is known here goes before what the device says; what neither knows is that of a usual desk:
+     * 0.531 x 0.299 m (24 inches) at 0.65 m. Sizes from 0.01 to 20 m. */
+    struct trk_screen screen;
+    /* psvr2: a file with the user's calibration, as the device gave it once, which is sent to the device; NULL: none. */
+    const char *calibration;
     /* auto: the recording to replay when no device is present. */
     const char *fallback_log;
     /* replay: pace against the log's own timestamps; 1 real time, 2 twice as fast, 0 as fast as it is read.
@@ -110,13 +125,53 @@ enum trk_result {
     TRK_FAILED,  /* the source broke: one line in out_error */
 };
 
-/* Open a source. NULL and a line in out_error on failure. The caller closes it with trk_close(). */
+/* Open a source. NULL and a line in out_error on failure. The caller closes it with trk_close().
+ *
+ * Devices are read by a thread of their own. One that is not there is waited for, one that is unplugged is looked for
+ * again: reads then time out, after one sample without TRK_DIRECTION that says that gaze was lost; so does one
+ * when a device falls silent. Time and sequence go on from one plugging to the next. One that is there and cannot be opened
+ * is an error, which says what to do.
+ *
+ * auto takes the first device that opens. Without one it replays the recording, and says so, until a device
+ * is plugged in and sees an eye: from then on it is that device's, and never goes back to the recording. When
+ * the recording ends before, trk_read() returns TRK_END once; read on to wait for a device. On the virtual
+ * clock there are no devices. */
 struct trk_source *trk_open(const struct trk_source_options *options, char out_error[TRK_ERROR_SIZE]);
 void trk_close(struct trk_source *source); /* accepts NULL */
 
 /* One line on what this source is and, for "auto", why: static for the source's life. For example
  * "replay of fixtures/hall.gaze: 2400 samples, 20.0 s, 120 Hz, head pose (no eye tracker found)". */
 const char *trk_describe(const struct trk_source *source);
+
+/* What a source is doing. */
+struct trk_status {
+    /* trk_describe(), but of a device what is so now: which one it is, or what is waited for and why. */
+    char description[TRK_ERROR_SIZE];
+    bool is_device;       /* this is of an eye tracker */
+    bool present;         /* it is plugged in and open */
+    unsigned changes;     /* counts whenever description does: a reader that has seen it need not look again */
+    unsigned connections; /* how often a device was opened */
+    uint64_t losses;      /* how often it fell silent or went */
+    double rate_hz;       /* of its samples, lately; 0 is unknown */
+    bool has_clock;       /* the device stamps its samples; then: */
+    double jitter_ms;     /* standard deviation of their delay */
+    double drift_ppm;     /* how much faster than ours its clock runs */
+};
+
+/* Any thread may ask, while another one reads. */
+void trk_get_status(struct trk_source *source, struct trk_status *out_status);
+
+/* An eye tracker that is plugged in. */
+struct trk_device_info {
+    char source[288];             /* what trk_source_options.spec would be for it */
+    char name[160];               /* maker and product */
+    char abilities[256];          /* what it can do; "" if that cannot be known before it is open */
+    char problem[TRK_ERROR_SIZE]; /* why it cannot be opened, and what to do; "" if it can */
+};
+
+/* What eye trackers there are. Fills up to room of out_devices; returns how many there are. Takes some tens
+ * of milliseconds. Any thread may ask. */
+size_t trk_list(struct trk_device_info *out_devices, size_t room);
 
 /* The next sample. With the real clock, waits until a sample arrives or CLOCK_MONOTONIC reaches until_ns.
  * With the virtual clock returns at once: the next sample whose time is at or before until_ns, else
@@ -139,5 +194,129 @@ void trk_interrupt(struct trk_source *source);
  * when memory is short or seconds hold no sample or more than a log may. The caller frees with
  * trk_log_finish(). */
 bool trk_synthesise(uint64_t seed, double seconds, struct trk_log *out_log);
+
+/* --- what the eye does ---------------------------------------------------------------------------------- */
+
+enum trk_state {
+    TRK_FIXATION, /* gaze rests, also while the head turns under it */
+    TRK_PURSUIT,  /* gaze moves on smoothly */
+    TRK_SACCADE,  /* gaze jumps */
+    TRK_BLINK,    /* no eye is seen, for its lid or for so short that it may be one; or it has just reopened */
+    TRK_LOST,     /* no eye is seen */
+    TRK_FALLBACK, /* no gaze was ever seen, or so long ago that the view's centre is the better guess */
+    TRK_FROZEN,   /* a user wants it to stay */
+};
+
+/* "fixation", "pursuit", ...: one lower-case word. */
+const char *trk_state_name(enum trk_state state);
+
+struct trk_event {
+    enum trk_state type;       /* TRK_FIXATION to TRK_LOST */
+    uint64_t start_ns, end_ns; /* device time of its first and last sample */
+    size_t first, last;        /* those samples, by their place in the log */
+    float direction[3];        /* world, unit: the mean of a fixation, else where gaze is at the end of it */
+    float amplitude_deg;       /* from start to end */
+    float peak_deg_s;          /* highest speed of gaze in the world; 0 for blink and loss */
+};
+
+struct trk_events {
+    size_t count;
+    struct trk_event *events; /* count of them, in order of time, never overlapping; owned by this */
+    size_t counts[TRK_LOST + 1]; /* of each type */
+    double noise_deg;            /* of the measured directions while gaze rests: standard deviation of an axis */
+};
+
+/* What happens in a log, by the classifier of trk_attend(): fixations of at least 100 ms, saccades, pursuit,
+ * blinks (the lid is down, or nothing is seen for 75 to 900 ms) and losses. Gaps shorter than 75 ms are
+ * bridged; a blink takes 75 ms before and 150 ms after it with it. False when memory is short. The caller frees
+ * with trk_events_finish(). */
+bool trk_events_find(const struct trk_log *log, struct trk_events *out_events);
+void trk_events_finish(struct trk_events *events);
+
+/* --- from samples to a gaze to render for ---------------------------------------------------------------- */
+
+struct trk_attention;
+
+struct trk_attention_options {
+    bool raw;               /* no filter and no dead zone: the direction as measured */
+    bool predict;           /* during a saccade, aim at where it will land */
+    bool silence_is_rest;   /* the source speaks only when gaze moves (a pointer): silence is no loss */
+};
+
+struct trk_gaze {
+    uint64_t sequence;              /* of the newest sample it answers; 0 before the first */
+    uint64_t device_ns, arrival_ns; /* of that sample */
+    uint64_t time_ns;               /* now_ns of the call that decided it */
+    float direction[3];             /* what to render for: unit, world */
+    float spread;                   /* how many times wider than usual the fovea should be: 1 to 4 */
+    enum trk_state state;
+    const char *source; /* where the direction comes from: "both eyes", "left eye", "right eye", "prediction",
+                         * "last gaze", "view centre" */
+    const char *why;    /* a few words on the decision; static */
+    bool moved;         /* direction or spread are others than before this call */
+    float speed_deg_s;  /* of gaze in the world */
+    float noise_deg;    /* of the tracker: standard deviation of an axis, measured while gaze rests */
+};
+
+/* NULL when memory is short. The caller frees with trk_attention_destroy(), which accepts NULL. It belongs to
+ * one thread at a time. */
+struct trk_attention *trk_attention_create(const struct trk_attention_options *options);
+void trk_attention_destroy(struct trk_attention *attention);
+
+/* Decide what to render for. Call it with every sample, in order, and with NULL from time to time (every 50 ms
+ * will do) while none comes: only so is silence noticed. now_ns is on the clock of arrival_ns and never goes
+ * back. The same calls give the same answers. Takes no lock and no memory. */
+void trk_attend(struct trk_attention *attention, const struct trk_sample *sample_or_null, uint64_t now_ns,
+                struct trk_gaze *out_gaze);
+
+/* While frozen the direction stays as it is, whatever the eye does. */
+void trk_attention_freeze(struct trk_attention *attention, bool frozen);
+
+/* Where the view's centre is when no head pose says so: an orientation (x, y, z, w), view to world. */
+void trk_attention_view(struct trk_attention *attention, const float orientation[4]);
+
+/* --- recentring ------------------------------------------------------------------------------------------ */
+
+/* Declare that the eye looks at target now (unit, world; NULL: the view's centre), for a headset that has slipped.
+ * The rotation that takes the measured gaze there is applied, in the head frame, to all gaze from now on;
+ * it replaces the one before. False with a line in out_error, and nothing changed: gaze is not at rest, or it
+ * would be a turn by more than 20 degrees. */
+bool trk_recentre(struct trk_attention *attention, const float *target_or_null,
+                  char out_error[TRK_ERROR_SIZE]);
+/* The rotation in use (x, y, z, w), identity without one. */
+void trk_recentre_get(const struct trk_attention *attention, float out_rotation[4]);
+/* Use this rotation; false, with no effect, if it is no unit quaternion of at most 20 degrees. */
+bool trk_recentre_set(struct trk_attention *attention, const float rotation[4]);
+
+/* Keep the rotation in a file, which holds the old one or the new one, never half of it. */
+bool trk_recentre_save(const char *path, const float rotation[4], char out_error[TRK_ERROR_SIZE]);
+bool trk_recentre_load(const char *path, float out_rotation[4], char out_error[TRK_ERROR_SIZE]);
+
+/* --- recording ------------------------------------------------------------------------------------------- */
+
+struct trk_recorder;
+
+struct trk_recorder_state {
+    uint64_t written; /* samples handed to the file */
+    uint64_t dropped; /* samples that came while the queue was full or the disk had failed */
+    uint64_t refused; /* samples that no log can hold: time or sequence going back, directions of no length */
+    bool failed;      /* the disk refused; the line is trk_recorder_close()'s */
+};
+
+/* Record samples in the project's own log format, every field that is valid and both clocks. Every row is in
+ * the file within a tenth of a second and on the disk within a second or so; after a crash trk_log_read() reads what
+ * there is. An existing file is refused, unless replace is set, and one that is being recorded always.
+ * NULL and a line in out_error on failure. */
+struct trk_recorder *trk_recorder_open(const char *path, bool replace, char out_error[TRK_ERROR_SIZE]);
+
+/* Hand over a sample. Never waits for the disk: a thread of the recorder's own writes. Any thread may call. */
+void trk_recorder_append(struct trk_recorder *recorder, const struct trk_sample *sample);
+
+void trk_recorder_look(struct trk_recorder *recorder, struct trk_recorder_state *out_state);
+
+/* Write what is left, to the disk, and free. False, with a line in out_error, if anything could not be written. Accepts
+ * NULL. out_state may be NULL. */
+bool trk_recorder_close(struct trk_recorder *recorder, struct trk_recorder_state *out_state,
+                        char out_error[TRK_ERROR_SIZE]);
 
 #endif

@@ -295,9 +295,8 @@ static void auto_replays_without_a_device(void **state)
     (void)state;
     struct trk_source *source = open_source(
         (struct trk_source_options){.spec = "auto", .fallback_log = path, .speed = 1, .virtual_clock = true});
-    assert_string_equal(
-        trk_describe(source),
-        "replay of tracker_source.gaze: 5 samples, 0.0 s, 266667 Hz, head pose (no eye tracker found)");
+    assert_string_equal(trk_describe(source), "replay of tracker_source.gaze: 5 samples, 0.0 s, 266667 Hz, "
+                                              "head pose (no eye tracker on the virtual clock)");
     struct trk_sample sample;
     due(source, 0, &sample);
     trk_close(source);
@@ -312,10 +311,15 @@ static void bad_specs(void **state)
     static const struct {
         const char *spec, *why;
     } cases[] = {
-        {"", "unknown gaze source '', expected one of auto, replay:FILE, synthetic[:SEED], pointer"},
+        {"", "unknown gaze source '', expected one of auto, hid[:PATH], psvr2, replay:FILE, "
+             "synthetic[:SEED], pointer"},
         {"hid9", "unknown gaze source 'hid9'"},
         {"replayed:x", "unknown gaze source 'replayed:x'"},
         {"auto:x", "unknown gaze source 'auto:x'"},
+        {"hid:", "'hid:': expected hid[:PATH], an absolute path"},
+        {"hid:hidraw0", "'hid:hidraw0': expected hid[:PATH], an absolute path"},
+        {"hid:/dev/null", "/dev/null: no eye tracker"},
+        {"psvr2:1", "'psvr2:1': expected psvr2"},
         {"replay", "expected replay:FILE"},
         {"replay:", "expected replay:FILE"},
         {"replay:absent.gaze", "absent.gaze: No such file"},
@@ -332,6 +336,11 @@ static void bad_specs(void **state)
                 "replay speed");
         refused((struct trk_source_options){.spec = "synthetic", .seconds = bad[i]}, "synthetic gaze of");
     }
+    static const struct trk_screen screens[] = {
+        {0.5f, 0, 0}, {0, 0.3f, 0}, {-1, 1, 0}, {1, 1, NAN}, {1, 1, 1e9f}};
+    for (size_t i = 0; i < sizeof screens / sizeof *screens; i++)
+        refused((struct trk_source_options){.spec = "pointer", .screen = screens[i]}, "screen of");
+    refused((struct trk_source_options){.spec = "hid", .virtual_clock = true}, "on the real clock");
     trk_close(NULL);
 }
 

@@ -2,19 +2,15 @@
 #include "source/source.h"
 
 #include "error.h"
+#include "source/ring.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* A second of a fast mouse. When the reader is later than that the oldest is dropped, and its sequence number
- * with it: the reader sees the gap. */
-enum { RING = 1024 };
-
 struct pointer {
     struct trk_source source;
     /* all of these under source.lock */
-    struct trk_sample ring[RING];
-    size_t first, count;
+    struct trk_ring ring;
     uint64_t sequence, first_ns, last_ns;
 };
 
@@ -50,11 +46,7 @@ static void pointer_push(struct trk_source *source, const float direction[3], ui
         .valid = TRK_DIRECTION,
     };
     memcpy(sample.direction, direction, sizeof sample.direction);
-    if (pointer->count == RING) {
-        pointer->first = (pointer->first + 1) % RING;
-        pointer->count--;
-    }
-    pointer->ring[(pointer->first + pointer->count++) % RING] = sample;
+    trk_ring_put(&pointer->ring, &sample);
     pthread_cond_signal(&source->changed);
     pthread_mutex_unlock(&source->lock);
 }
@@ -65,16 +57,15 @@ static enum trk_result pointer_read(struct trk_source *source, uint64_t until_ns
     (void)out_error;
     struct pointer *pointer = (struct pointer *)source;
     enum trk_result result = TRK_SAMPLE;
+    const struct trk_sample *first;
     pthread_mutex_lock(&source->lock);
     /* On the virtual clock a sample exists from its own time on. */
-    while (result == TRK_SAMPLE &&
-           (pointer->count == 0 ||
-            (source->virtual_clock && pointer->ring[pointer->first].arrival_ns > until_ns)))
+    while (result == TRK_SAMPLE && (!(first = trk_ring_first(&pointer->ring)) ||
+                                    (source->virtual_clock && first->arrival_ns > until_ns)))
         if (!trk_source_sleep(source, UINT64_MAX, until_ns)) result = TRK_TIMEOUT;
     if (result == TRK_SAMPLE) {
-        *out_sample = pointer->ring[pointer->first];
-        pointer->first = (pointer->first + 1) % RING;
-        pointer->count--;
+        *out_sample = *first;
+        trk_ring_drop(&pointer->ring);
     }
     pthread_mutex_unlock(&source->lock);
     return result;

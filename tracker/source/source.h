@@ -14,7 +14,6 @@
 struct trk_source_type {
     const char *name;  /* what trk_source_options.spec says before the colon */
     const char *usage; /* "name:ARGUMENT" as a user writes it */
-    bool is_device;    /* "auto" tries these, in the order of the table */
     /* argument is what follows the colon, or NULL. NULL and a line in out_error if it cannot be opened. */
     struct trk_source *(*open)(const char *argument, const struct trk_source_options *options,
                                char out_error[TRK_ERROR_SIZE]);
@@ -22,7 +21,9 @@ struct trk_source_type {
                             char out_error[TRK_ERROR_SIZE]);
     /* direction is finite and of unit length. NULL: this source takes none. */
     void (*push)(struct trk_source *source, const float direction[3], uint64_t time_ns);
-    void (*close)(struct trk_source *source); /* and free */
+    void (*interrupt)(struct trk_source *source); /* NULL: what waits in trk_source_sleep() wakes */
+    void (*status)(struct trk_source *source, struct trk_status *out_status); /* NULL: nothing changes */
+    void (*close)(struct trk_source *source);                                 /* and free */
 };
 
 extern const struct trk_source_type trk_replay, trk_synthetic, trk_pointer;

@@ -1,0 +1,75 @@
+/* What the tracker's fuzz targets share: a bounded run over random changes of valid inputs, from a fixed
+ * seed, for when they are built as tests. With -DLIBFUZZER none of this is there, and libFuzzer drives. */
+#ifndef FOVEAD_TEST_FUZZ_H
+#define FOVEAD_TEST_FUZZ_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+#ifndef LIBFUZZER
+
+struct fuzz_seed {
+    const uint8_t *bytes;
+    size_t size;
+};
+
+static inline uint64_t fuzz_noise(uint64_t *state)
+{
+    *state = *state * 6364136223846793005u + 1442695040888963407u;
+    return *state >> 33;
+}
+
+/* One of a few ways to spoil an input of size bytes; returns the new size. */
+static inline size_t fuzz_spoil(uint64_t *state, uint8_t *input, size_t size, size_t room)
+{
+    size_t at = fuzz_noise(state) % size, to = fuzz_noise(state) % size;
+    switch (fuzz_noise(state) % 6) {
+    case 0:
+        input[at] ^= (uint8_t)(1 << fuzz_noise(state) % 8);
+        return size;
+    case 1:
+        input[at] = (uint8_t)fuzz_noise(state);
+        return size;
+    case 2:
+        return at + 1;
+    case 3:
+        memmove(input + to, input + at, size - (at > to ? at : to));
+        return size;
+    case 4:
+        input[at] = 0xff;
+        return size;
+    default:
+        if (size == room) return size;
+        memmove(input + at + 1, input + at, size - at);
+        return size + 1;
+    }
+}
+
+/* rounds inputs, each a seed with up to 7 changes, in a heap block of its exact size. */
+static inline int fuzz_run(const struct fuzz_seed *seeds, size_t count, int rounds)
+{
+    static uint8_t input[8192];
+    uint64_t state = 360;
+    for (int round = 0; round < rounds; round++) {
+        const struct fuzz_seed *seed = &seeds[fuzz_noise(&state) % count];
+        size_t size = seed->size;
+        memcpy(input, seed->bytes, size);
+        for (uint64_t hits = fuzz_noise(&state) % 8; hits > 0; hits--)
+            size = fuzz_spoil(&state, input, size, sizeof input);
+        uint8_t *exact = malloc(size);
+        if (!exact) abort();
+        memcpy(exact, input, size);
+        LLVMFuzzerTestOneInput(exact, size);
+        free(exact);
+    }
+    printf("%d inputs from %zu seeds\n", rounds, count);
+    return 0;
+}
+
+#endif
+#endif

@@ -1,0 +1,88 @@
+/* hid_descriptor: what a HID report descriptor says of an eye tracker.
+ *
+ * A parser of our own scope, usage page 0x12 "Eye and Head Trackers" (HUTRR74): a pure function from the
+ * bytes of a report descriptor (HID 1.11, 6.2.2) to a plain table of where each quantity lies in which report
+ * and what it means, by which hid_report decodes. Any report id, order, size, unit and exponent; everything
+ * else in the descriptor is passed over. */
+#ifndef FOVEAD_TRACKER_HID_DESCRIPTOR_H
+#define FOVEAD_TRACKER_HID_DESCRIPTOR_H
+
+#include "tracker.h"
+
+enum trk_hid_type { TRK_HID_INPUT, TRK_HID_OUTPUT, TRK_HID_FEATURE, TRK_HID_TYPES };
+
+/* X, Y and Z of one thing follow one another. */
+enum trk_hid_quantity {
+    TRK_HID_TIMESTAMP,
+    TRK_HID_GAZE_X,
+    TRK_HID_GAZE_Y,
+    TRK_HID_LEFT_X,
+    TRK_HID_LEFT_Y,
+    TRK_HID_LEFT_Z,
+    TRK_HID_RIGHT_X,
+    TRK_HID_RIGHT_Y,
+    TRK_HID_RIGHT_Z,
+    TRK_HID_HEAD_X,
+    TRK_HID_HEAD_Y,
+    TRK_HID_HEAD_Z,
+    TRK_HID_TURN_X, /* the head's rotation about X */
+    TRK_HID_TURN_Y,
+    TRK_HID_TURN_Z,
+    TRK_HID_NEAREST, /* minimum and maximum tracking distance */
+    TRK_HID_FARTHEST,
+    TRK_HID_WIDTH, /* of the calibrated screen */
+    TRK_HID_HEIGHT,
+    TRK_HID_FREQUENCY, /* of sampling */
+    TRK_HID_STATUS,    /* of configuration: enum trk_hid_status */
+    TRK_HID_MODE,      /* device mode request: TRK_HID_ASK_* */
+    TRK_HID_QUANTITIES
+};
+
+enum trk_hid_status {
+    TRK_HID_READY = 1,
+    TRK_HID_CONFIGURING = 2,
+    TRK_HID_NEEDS_SCREEN = 3,
+    TRK_HID_NEEDS_USER = 4,
+};
+
+enum { TRK_HID_ASK_GAZE = 1, TRK_HID_ASK_EYES = 2, TRK_HID_ASK_HEAD = 4 };
+
+struct trk_hid_field {
+    enum trk_hid_quantity quantity;
+    enum trk_hid_type type;
+    uint8_t report;     /* its id; 0 when reports are not numbered */
+    uint8_t bits;       /* 1 to 64, little endian */
+    uint16_t first_bit; /* counted from the byte after the report id */
+    bool is_signed;
+    bool has_range;    /* values outside low..high are none: "not available" */
+    int64_t low, high; /* logical */
+    /* value = offset + scale * raw: in m, s, rad or Hz; of a gaze point without a unit the share of the
+     * screen, 0 to 1; of status and mode the number itself. Of a timestamp the ticks are kept, and scale is
+     * seconds a tick. */
+    double scale, offset;
+    bool is_share; /* a gaze point without a unit */
+};
+
+enum { TRK_HID_MAX_FIELDS = 64, TRK_HID_MAX_DESCRIPTOR = 4096, TRK_HID_MAX_REPORT_BITS = 8 * 4096 };
+
+struct trk_hid_layout {
+    bool numbered;         /* reports begin with an id */
+    bool has_unknown_turn; /* the head's rotation is there, in a unit that is no angle, and left out */
+    size_t fields;
+    struct trk_hid_field field[TRK_HID_MAX_FIELDS];
+    uint16_t bits[TRK_HID_TYPES][256]; /* of each report, without its id; at most TRK_HID_MAX_REPORT_BITS */
+};
+
+/* Parse a descriptor of size bytes. False and a line in out_error, naming the byte, if it is no well-formed
+ * descriptor, or of no eye tracker, or of one that reports no gaze point. */
+bool trk_hid_parse(const uint8_t *bytes, size_t size, struct trk_hid_layout *out_layout,
+                   char out_error[TRK_ERROR_SIZE]);
+
+/* The field of that quantity in a report of that type; the first if there are more, NULL if there is none. */
+const struct trk_hid_field *trk_hid_find(const struct trk_hid_layout *layout, enum trk_hid_type type,
+                                         enum trk_hid_quantity quantity);
+
+/* After how many bits a timestamp starts again: a field may declare fewer than it is wide. */
+unsigned trk_hid_clock_bits(const struct trk_hid_field *timestamp);
+
+#endif
