@@ -1,0 +1,110 @@
+/* The gaze decides how soon a pixel is known, never what it is: a room rendered around a gaze that wanders
+ * has the same mean in every tile as one rendered evenly. */
+#include "renderer_files.h"
+
+enum {
+    WIDTH = 384,
+    HEIGHT = 192,
+    PIXELS = WIDTH * HEIGHT,
+    ACROSS = WIDTH / RND_TILE,
+    TILES = ACROSS * (HEIGHT / RND_TILE),
+    RENDERS = 5, /* of each kind, by which the standard error is known */
+    BATCHES = 60,
+    PATHS = 6000,
+};
+
+/* Renders once; value is a pixel's mean over its channels, and pixels without a path leave the mask: which
+ * these are is a matter of the gaze alone, so that leaving them out biases nothing. */
+static void render_once(const struct rnd_scene *scene, const char *distribution, uint64_t seed,
+                        float value[PIXELS], bool mask[PIXELS])
+{
+    static float rgb[3 * PIXELS], samples[PIXELS];
+    const struct rnd_render_options options = {
+        .width = WIDTH, .height = HEIGHT, .seed = seed, .distribution = rnd_distribution_find(distribution)};
+    char error[RND_ERROR_SIZE];
+    struct rnd_batch batch;
+    struct rnd_render *render = rnd_render_create(scene, &options, error);
+    if (!render) fail_msg("%s", error);
+    for (int i = 0; i < BATCHES; i++) {
+        const double azimuth = i * 6.0 * M_PI / BATCHES,
+                     elevation = 0.6 * sin(i * 1.7); /* three times around */
+        const struct rnd_aim aim =
+            files_aim(cos(elevation) * sin(azimuth), sin(elevation), -cos(elevation) * cos(azimuth));
+        rnd_render_batch(render, &aim, 0, PATHS, &batch);
+        assert_int_equal(batch.not_finite, 0);
+    }
+    rnd_render_resolve(render, rgb, samples, NULL);
+    rnd_render_destroy(render);
+    for (int i = 0; i < PIXELS; i++) {
+        value[i] = (rgb[3 * i] + rgb[3 * i + 1] + rgb[3 * i + 2]) / 3.0f;
+        mask[i] = mask[i] && samples[i] > 0.0f;
+    }
+}
+
+/* Mean of a tile's pixels within the mask over all renders, and the variance of that mean by their spread. */
+static void moments(float (*value)[PIXELS], const bool *mask, int tile, double *out_mean,
+                    double *out_variance)
+{
+    double mean[RENDERS] = {0}, pixels = 0.0;
+    *out_mean = *out_variance = 0.0;
+    for (int k = 0; k < RND_TILE * RND_TILE; k++) {
+        const int i =
+            (tile / ACROSS * RND_TILE + k / RND_TILE) * WIDTH + tile % ACROSS * RND_TILE + k % RND_TILE;
+        if (!mask[i]) continue;
+        pixels += 1.0;
+        for (int r = 0; r < RENDERS; r++) mean[r] += value[r][i];
+    }
+    for (int r = 0; r < RENDERS; r++) *out_mean += (mean[r] /= pixels) / RENDERS;
+    for (int r = 0; r < RENDERS; r++)
+        *out_variance += (mean[r] - *out_mean) * (mean[r] - *out_mean) / (RENDERS - 1) / RENDERS;
+}
+
+static double share_seen(const bool *mask, int tile)
+{
+    double seen = 0.0;
+    for (int k = 0; k < RND_TILE * RND_TILE; k++)
+        seen +=
+            mask[(tile / ACROSS * RND_TILE + k / RND_TILE) * WIDTH + tile % ACROSS * RND_TILE + k % RND_TILE];
+    return seen / (RND_TILE * RND_TILE);
+}
+
+static void gaze_is_no_bias(void **state)
+{
+    (void)state;
+    static float even[RENDERS][PIXELS], gazed[RENDERS][PIXELS];
+    static bool mask[PIXELS];
+    struct rnd_scene *scene = files_load(files_room("room.obj"), NULL, NULL, NULL);
+    memset(mask, true, sizeof mask);
+    for (int r = 0; r < RENDERS; r++) {
+        render_once(scene, "od", 1000 + (uint64_t)r, even[r], mask);
+        render_once(scene, "fv", 2000 + (uint64_t)r, gazed[r], mask);
+    }
+    rnd_scene_destroy(scene);
+
+    int compared = 0;
+    double squares = 0.0;
+    for (int t = 0; t < TILES; t++) {
+        double a, b, va, vb;
+        if (share_seen(mask, t) < 0.25) continue;
+        moments(even, mask, t, &a, &va);
+        moments(gazed, mask, t, &b, &vb);
+        const double deviation = (b - a) / sqrt(va + vb);
+        print_message(
+            "tile %2d, %2.0f %% of it: OD %.4f, FV %.4f: %+.2f %%, %+.2f standard errors of %.2f %%\n", t,
+            100.0 * share_seen(mask, t), a, b, 100.0 * (b / a - 1.0), deviation, 100.0 * sqrt(va + vb) / a);
+        /* Student's t of some eight degrees of freedom: a chance of 2e-4 for each tile */
+        assert_true(fabs(deviation) < 6.5);
+        assert_true(sqrt(va + vb) / a < 0.05); /* else it would prove nothing */
+        squares += deviation * deviation;
+        compared++;
+    }
+    print_message("%d tiles, mean square %.2f\n", compared, squares / compared);
+    assert_true(compared >= ACROSS);
+    assert_true(squares / compared < 4.0); /* 1.3 is expected of t with eight degrees */
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(gaze_is_no_bias)};
+    return cmocka_run_group_tests_name("renderer_unbiased", tests, files_setup, files_teardown);
+}
