@@ -1,4 +1,4 @@
-/* fovea-bench: measurements of the renderer, by name. */
+/* fovea-bench: measurements, by name. */
 #include "bench.h"
 
 #include <stdio.h>
@@ -9,6 +9,7 @@ static const struct {
     int (*run)(int count, char **arguments);
 } measurement[] = {
     {"converge", "time until the gaze disc reaches a given error, for every distribution", bench_converge},
+    {"foveation", "angle between true gaze and what is rendered for; onset of saccades", bench_foveation},
 };
 
 int main(int count, char **arguments)

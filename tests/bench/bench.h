@@ -4,5 +4,6 @@
 
 /* arguments as main's, from the measurement's name on; returns the exit code. */
 int bench_converge(int count, char **arguments);
+int bench_foveation(int count, char **arguments);
 
 #endif

@@ -2,6 +2,7 @@
 #include "log/own.h"
 
 #include "error.h"
+#include "log/formats.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -9,7 +10,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #define MAGIC     "fovead-gaze "
@@ -71,9 +71,9 @@ static const char *column_name(int index)
 
 /* --- reading -------------------------------------------------------------------------------------------- */
 
-static bool detect(const char *first_line)
+static bool detect(const struct trk_reading *reading)
 {
-    return strncmp(first_line, MAGIC, strlen(MAGIC)) == 0;
+    return strncmp(reading->lines.text, MAGIC, strlen(MAGIC)) == 0;
 }
 
 static bool read_header(struct trk_lines *lines, char out_error[TRK_ERROR_SIZE])
@@ -101,8 +101,6 @@ static bool read_header(struct trk_lines *lines, char out_error[TRK_ERROR_SIZE])
 
 static bool read_row(struct trk_lines *lines, struct trk_sample *out_sample, char out_error[TRK_ERROR_SIZE])
 {
-    if (!lines->has_newline)
-        return trk_lines_fail(lines, out_error, "is cut off, expected a newline after the last row");
     char *fields[TRK_MAX_FIELDS];
     size_t count = trk_split(lines->text, SEPARATOR, fields);
     if (count != WHOLE + COLUMNS)
@@ -139,24 +137,28 @@ static bool read_row(struct trk_lines *lines, struct trk_sample *out_sample, cha
     return true;
 }
 
-static bool read_own(struct trk_lines *lines, struct trk_log *out_log, char out_error[TRK_ERROR_SIZE])
+static bool read_own(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
 {
+    struct trk_lines *lines = &reading->lines;
     if (!read_header(lines, out_error)) return false;
-    size_t capacity = 0;
     for (;;) {
         enum trk_line line = trk_lines_next(lines, out_error);
         if (line == TRK_LINE_END) return true;
         if (line == TRK_LINE_FAILED) return false;
         if (lines->text[0] == '#') continue;
+        if (!lines->has_newline) {
+            trk_assume(reading, "line %zu was cut off and is left out", lines->number);
+            return true;
+        }
         struct trk_sample sample;
         if (!read_row(lines, &sample, out_error)) return false;
-        if (!trk_log_append(out_log, &capacity, &sample, lines, out_error)) return false;
+        if (!trk_log_append(reading, &sample, out_error)) return false;
     }
 }
 
 const struct trk_log_format trk_log_own = {
+    .id = "fovead",
     .name = "fovead",
-    .expects = "'" MAGIC VERSION "'",
     .detect = detect,
     .read = read_own,
 };
@@ -183,10 +185,26 @@ size_t trk_own_header(char out_text[TRK_LINE_SIZE])
     return length;
 }
 
+bool trk_own_accepts(const struct trk_sample *sample)
+{
+    if (sample->sequence > INT64_MAX || sample->arrival_ns > INT64_MAX) return false;
+    for (int i = 0; i < COLUMNS; i++) {
+        float value;
+        memcpy(&value, (const char *)sample + columns[i].offset, sizeof value);
+        if ((sample->valid & columns[i].bit) && !isfinite(value)) return false;
+    }
+    for (size_t i = 0; i < sizeof units / sizeof *units; i++)
+        if ((sample->valid & units[i].bit) &&
+            !trk_is_unit((const float *)((const char *)sample + units[i].offset), units[i].size))
+            return false;
+    return true;
+}
+
 size_t trk_own_row(const struct trk_sample *sample, char out_text[TRK_LINE_SIZE])
 {
-    size_t length = (size_t)snprintf(out_text, TRK_LINE_SIZE, "%" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu32,
-                                     sample->sequence, sample->device_ns, sample->arrival_ns, sample->valid);
+    size_t length =
+        (size_t)snprintf(out_text, TRK_LINE_SIZE, "%" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu32,
+                         sample->sequence, sample->device_ns, sample->arrival_ns, sample->valid & all_bits);
     for (int i = 0; i < COLUMNS; i++) {
         float value = 0;
         if (sample->valid & columns[i].bit)
@@ -206,11 +224,8 @@ static void write_rows(FILE *file, const struct trk_log *log)
 }
 
 /* Written beside its place and renamed, so that a reader never sees half a log. */
-bool trk_log_write(const char *path, const struct trk_log *log, char out_error[TRK_ERROR_SIZE])
+bool trk_own_write(const char *path, const struct trk_log *log, char out_error[TRK_ERROR_SIZE])
 {
-    struct stat status;
-    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
-        return trk_fail(out_error, "%s: not a regular file, expected a place for a gaze log", path);
     char *part = NULL;
     if (asprintf(&part, "%s.%ld.part", path, (long)getpid()) < 0)
         return trk_fail(out_error, "%s: no memory", path);

@@ -16,17 +16,21 @@
  *
  * Frames are right-handed: +X right, +Y up, -Z forward. Times are whole nanoseconds and never go back.
  * Numbers are decimal and read back exactly. A field whose bit is unset is written as 0. The last line ends
- * with a newline: one that does not was cut off and is refused. Lines may end with CRLF.
+ * with a newline: one that does not was cut off, and is left out with a word in trk_log.assumed. Lines may end
+ * with CRLF.
  */
 #ifndef FOVEAD_TRACKER_LOG_OWN_H
 #define FOVEAD_TRACKER_LOG_OWN_H
 
 #include "log/log.h"
 
-extern const struct trk_log_format trk_log_own;
-
 /* The first two lines, and the line of one sample, as they stand in a file. Each returns its length. */
 size_t trk_own_header(char out_text[TRK_LINE_SIZE]);
+/* Would trk_log_read() take its row? What is valid must be finite, and of unit length where that is asked. */
+bool trk_own_accepts(const struct trk_sample *sample);
 size_t trk_own_row(const struct trk_sample *sample, char out_text[TRK_LINE_SIZE]);
+
+/* Write a log in this format; it appears whole or not at all. */
+bool trk_own_write(const char *path, const struct trk_log *log, char out_error[TRK_ERROR_SIZE]);
 
 #endif

@@ -1,0 +1,348 @@
+/* From samples to a gaze to render for: classify, filter, hold, widen, fall back.
+ *
+ * Only this file knows what to do when there is no gaze, and when not to move. What the eye does is
+ * events.c's, smoothing filter.c's. Time comes with every call, so that a replay decides as the live stream
+ * did.
+ */
+#include "tracker.h"
+
+#include "arc.h"
+#include "error.h"
+#include "events.h"
+#include "filter.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define MS UINT64_C(1000000)
+
+/* Gaze is held through a blink; what lasts longer than 500 ms is a loss, and the fovea widens. After 2 s
+ * nobody knows where the eye is, and the view's centre is where it mostly is. */
+static const uint64_t held_ns = 500 * MS, given_up_ns = 2000 * MS;
+static const double widest = 4;
+/* No new aim for less than this or three deviations of the noise. */
+static const double dead_zone_deg = 1, dead_zone_noises = 3;
+/* Main sequence, Dai et al. 2016: Vp = eta (1 - exp(-A / c)). Above 0.96 eta its inverse says nothing of use,
+ * for there 25 deg/s of noise are 6 degrees: predictions end at 19 degrees. */
+static const double saccade_eta = 600, saccade_c = 6, invertible = 0.96;
+static const double largest_turn_deg = 20;
+
+struct trk_attention {
+    struct trk_attention_options options;
+    struct trk_classifier classifier;
+    struct trk_filter filter;
+    versor rotation; /* of recentring, in the head frame */
+
+    bool has_sample, has_gaze;
+    struct trk_sample sample;     /* the newest */
+    uint64_t gaze_ns;             /* device time of the newest with a gaze; */
+    uint64_t gaze_arrival_ns;     /* and its arrival */
+    bool hidden;                  /* the newest sample has no gaze; */
+    bool lids_known, lids_closed; /* what it says of the lids */
+    bool settling;                /* the eye has reopened, and what is seen is not believed yet; */
+    uint64_t reopened_ns;         /* since this device time */
+
+    versor view;
+    bool frozen;
+    bool pinned;          /* the aim rests on a fixation */
+    struct trk_gaze live; /* what it would be if it were not frozen */
+    struct trk_gaze last; /* what was answered last */
+};
+
+struct trk_attention *trk_attention_create(const struct trk_attention_options *options)
+{
+    /* versors want more alignment than calloc() promises */
+    struct trk_attention *a = aligned_alloc(_Alignof(struct trk_attention), sizeof *a);
+    if (!a) return NULL;
+    *a = (struct trk_attention){.options = *options};
+    trk_classifier_init(&a->classifier);
+    glm_quat_identity(a->rotation);
+    glm_quat_identity(a->view);
+    a->live = (struct trk_gaze){.direction = {0, 0, -1}, .spread = 1, .state = TRK_FALLBACK};
+    a->last = a->live;
+    return a;
+}
+
+void trk_attention_destroy(struct trk_attention *attention)
+{
+    free(attention);
+}
+
+/* --- one sample ----------------------------------------------------------------------------------------- */
+
+static void begin_anew(struct trk_attention *a)
+{
+    a->classifier.count = 0;
+    trk_filter_reset(&a->filter);
+    a->pinned = false;
+}
+
+/* Filter in the world, where gaze rests while the head turns. A saccade is taken as it is; the samples that
+ * showed its end are the first of what follows. After a gap the eye may be elsewhere. */
+static void smooth(struct trk_attention *a, enum trk_state before, uint64_t device_ns, const float world[3])
+{
+    struct trk_classifier *c = &a->classifier;
+    double dt_s = (double)(device_ns - a->gaze_ns) * 1e-9;
+    double jump_deg = fmax(TRK_LEAST_JUMP_DEG, 4.5 * c->noise_deg);
+    if (a->options.raw || c->state == TRK_SACCADE || c->count == 1) trk_filter_reset(&a->filter);
+    if (a->filter.count && dt_s > 0.02 && trk_angle_deg(a->filter.value, world) > jump_deg)
+        trk_filter_reset(&a->filter);
+    if (before == TRK_SACCADE && c->state != TRK_SACCADE && c->count > 1) {
+        trk_filter_reset(&a->filter);
+        if (!a->options.raw) trk_filter_step(&a->filter, c->past[(c->count - 2) % TRK_PAST].world, 0);
+    }
+    trk_filter_step(&a->filter, world, dt_s);
+}
+
+/* Where a saccade will land: as far along its arc as the main sequence says for the speed that it has
+ * reached. */
+static void predict(struct trk_attention *a, const float world[3], float out_world[3])
+{
+    vec3 arc;
+    trk_arc(a->classifier.from, world, arc);
+    double peak = fmin(a->classifier.peak_deg_s, invertible * saccade_eta);
+    double amplitude_deg = -saccade_c * log(1 - peak / saccade_eta);
+    if (amplitude_deg > glm_vec3_norm(arc)) glm_vec3_scale_as(arc, (float)amplitude_deg, arc);
+    trk_along(a->classifier.from, arc, out_world);
+}
+
+/* Is the eye that has reopened to be believed? At rest over three samples, or when the lid must be up. */
+static bool is_settled(const struct trk_attention *a)
+{
+    const struct trk_classifier *c = &a->classifier;
+    if (a->sample.device_ns - a->reopened_ns >= TRK_AFTER_BLINK_NS) return true;
+    return c->state == TRK_FIXATION && c->count >= 3 &&
+           trk_angle_deg(a->filter.value, a->filter.raw) < fmax(TRK_LEAST_JUMP_DEG, 3 * c->noise_deg);
+}
+
+/* A gaze is seen: aim at it, unless it only trembles around where the aim is. */
+static void aim(struct trk_attention *a, const float world[3], const char *source)
+{
+    const struct trk_classifier *c = &a->classifier;
+    const bool predicted = a->options.predict && c->state == TRK_SACCADE;
+    const uint64_t age_ns = a->sample.device_ns - c->since_ns;
+    float target[3];
+    memcpy(target, a->filter.value, sizeof target);
+    if (predicted) predict(a, world, target);
+
+    bool pins = c->state == TRK_FIXATION && age_ns >= TRK_LEAST_FIXATION_NS && !a->options.raw;
+    double zone_deg = fmax(dead_zone_deg, dead_zone_noises * c->noise_deg);
+    bool rests = pins && a->pinned && trk_angle_deg(target, a->live.direction) <= zone_deg;
+    if (!rests) memcpy(a->live.direction, target, sizeof target);
+    a->pinned = pins;
+    a->live.source = predicted ? "prediction" : source;
+    a->live.state = c->state;
+    a->live.why = rests                     ? "within the dead zone of a fixation"
+                  : predicted               ? "landing of a saccade by its speed"
+                  : c->state == TRK_SACCADE ? "as measured in a saccade"
+                  : c->state == TRK_PURSUIT ? "filtered, in pursuit"
+                  : pins && !a->options.raw ? "filtered, new aim in a fixation"
+                  : a->options.raw          ? "as measured"
+                                            : "filtered, after a saccade";
+}
+
+static void see(struct trk_attention *a, const float head[3], const char *source)
+{
+    const struct trk_sample *sample = &a->sample;
+    const bool again = a->has_gaze && sample->device_ns == a->gaze_ns;
+    const bool gap = a->has_gaze && sample->device_ns - a->gaze_ns >= TRK_BRIDGED_NS;
+    const enum trk_state before = a->classifier.state;
+    float world[3];
+    trk_to_world(sample, head, world);
+    if (again) return; /* a device that repeats itself */
+    if ((gap || a->lids_closed) && a->hidden && !a->options.silence_is_rest) {
+        a->settling = true;
+        a->reopened_ns = sample->device_ns;
+    }
+    if (!a->has_gaze) a->classifier.count = 0;
+    trk_classify(&a->classifier, sample->device_ns, head, world);
+    smooth(a, before, sample->device_ns, world);
+    a->hidden = a->lids_closed = false;
+    a->has_gaze = true;
+    a->gaze_ns = sample->device_ns;
+    a->gaze_arrival_ns = sample->arrival_ns;
+    if (a->settling && is_settled(a)) a->settling = a->pinned = false;
+    if (a->settling) {
+        a->live.state = TRK_BLINK;
+        a->live.source = "last gaze";
+        a->live.why = "the eye has just reopened";
+        return;
+    }
+    a->live.spread = 1;
+    aim(a, world, source);
+}
+
+static void take(struct trk_attention *a, const struct trk_sample *sample)
+{
+    float head[3];
+    const char *source;
+    if (a->has_sample &&
+        sample->device_ns < a->sample.device_ns) { /* another device, or one that began anew */
+        begin_anew(a);
+        a->has_gaze = false;
+    }
+    a->sample = *sample;
+    a->has_sample = true;
+    a->live.sequence = sample->sequence;
+    a->live.device_ns = sample->device_ns;
+    a->live.arrival_ns = sample->arrival_ns;
+    if (trk_gaze_direction(sample, head, &source)) {
+        vec3 turned = {head[0], head[1], head[2]};
+        glm_quat_rotatev(a->rotation, turned, turned);
+        see(a, turned, source);
+        return;
+    }
+    bool known;
+    a->hidden = true;
+    a->lids_closed |= trk_lids_closed(sample, &known);
+    a->lids_known = known;
+}
+
+/* --- without gaze --------------------------------------------------------------------------------------- */
+
+static void view_centre(const struct trk_attention *a, float out[3])
+{
+    static const float forward[3] = {0, 0, -1};
+    if (a->has_sample && (a->sample.valid & TRK_HEAD)) {
+        trk_to_world(&a->sample, forward, out);
+        return;
+    }
+    vec3 direction = {0, 0, -1};
+    versor view;
+    glm_quat_copy((float *)a->view, view);
+    glm_quat_rotatev(view, direction, direction);
+    memcpy(out, direction, sizeof direction);
+}
+
+static void give_up(struct trk_attention *a, const char *why)
+{
+    view_centre(a, a->live.direction);
+    a->live.state = TRK_FALLBACK;
+    a->live.source = "view centre";
+    a->live.why = why;
+    a->live.spread = a->options.silence_is_rest ? 1 : (float)widest;
+    a->pinned = false;
+}
+
+/* Time passes, and no eye is seen: neither in the newest sample nor, when there is none, since. */
+static void pass_time(struct trk_attention *a, uint64_t now_ns)
+{
+    if (!a->has_gaze && a->live.state == TRK_FALLBACK) {
+        give_up(a, "no gaze was seen yet");
+        return;
+    }
+    uint64_t arrival_ns = a->sample.arrival_ns;
+    bool silent = now_ns > arrival_ns && now_ns - arrival_ns >= TRK_BRIDGED_NS && !a->options.silence_is_rest;
+    if (!a->hidden && !silent) return;
+    uint64_t lost_ns = now_ns > a->gaze_arrival_ns ? now_ns - a->gaze_arrival_ns : 0;
+    if (lost_ns >= given_up_ns) {
+        give_up(a, "no gaze was seen for two seconds");
+        return;
+    }
+    a->hidden = true;
+    a->live.source = "last gaze";
+    if (lost_ns > held_ns)
+        a->live.spread =
+            (float)(1 + (widest - 1) * (double)(lost_ns - held_ns) / (double)(given_up_ns - held_ns));
+    if (silent || lost_ns > TRK_LONGEST_BLINK_NS || (lost_ns > held_ns && !a->lids_closed)) {
+        a->live.state = TRK_LOST;
+        a->live.why = silent ? "the tracker is silent" : "no eye is seen";
+    } else if (a->lids_closed) {
+        a->live.state = TRK_BLINK;
+        a->live.why = "the lids are down";
+    } else if (lost_ns < TRK_BRIDGED_NS) {
+        a->live.why = "a short gap";
+    } else {
+        a->live.state = a->lids_known ? TRK_LOST : TRK_BLINK;
+        a->live.why = a->lids_known ? "no eye is seen, though the lids are up" : "taken for a blink";
+    }
+}
+
+/* --- the answer ----------------------------------------------------------------------------------------- */
+
+void trk_attend(struct trk_attention *a, const struct trk_sample *sample_or_null, uint64_t now_ns,
+                struct trk_gaze *out_gaze)
+{
+    if (sample_or_null) take(a, sample_or_null);
+    pass_time(a, now_ns);
+    struct trk_gaze gaze = a->live;
+    if (a->frozen) {
+        memcpy(gaze.direction, a->last.direction, sizeof gaze.direction);
+        gaze.spread = a->last.spread;
+        gaze.state = TRK_FROZEN;
+        gaze.source = "last gaze";
+        gaze.why = "frozen";
+    }
+    gaze.time_ns = now_ns;
+    gaze.speed_deg_s = a->classifier.speed_deg_s;
+    gaze.noise_deg = (float)a->classifier.noise_deg;
+    gaze.moved = gaze.spread != a->last.spread ||
+                 memcmp(gaze.direction, a->last.direction, sizeof gaze.direction) != 0;
+    a->last = *out_gaze = gaze;
+}
+
+void trk_attention_freeze(struct trk_attention *attention, bool frozen)
+{
+    attention->frozen = frozen;
+}
+
+void trk_attention_view(struct trk_attention *attention, const float orientation[4])
+{
+    memcpy(attention->view, orientation, sizeof attention->view);
+    glm_quat_normalize(attention->view);
+}
+
+/* --- recentring ----------------------------------------------------------------------------------------- */
+
+static double turn_deg(const versor q)
+{
+    return 2 * glm_deg(atan2f(sqrtf(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]), fabsf(q[3])));
+}
+
+bool trk_recentre_set(struct trk_attention *a, const float rotation[4])
+{
+    versor q;
+    memcpy(q, rotation, sizeof q);
+    if (!(fabsf(glm_quat_norm(q) - 1) <= 1e-3f) || turn_deg(q) > largest_turn_deg) return false;
+    glm_quat_normalize_to(q, a->rotation);
+    begin_anew(a);
+    return true;
+}
+
+void trk_recentre_get(const struct trk_attention *attention, float out_rotation[4])
+{
+    memcpy(out_rotation, attention->rotation, 4 * sizeof *out_rotation);
+}
+
+/* Into the head of the newest sample. */
+static void to_head(const struct trk_attention *a, const float world[3], vec3 out_head)
+{
+    versor head = GLM_QUAT_IDENTITY_INIT;
+    vec3 direction = {world[0], world[1], world[2]};
+    if (a->sample.valid & TRK_HEAD) memcpy(head, &a->sample.head[3], sizeof head);
+    glm_quat_conjugate(head, head);
+    glm_quat_rotatev(head, direction, direction);
+    glm_vec3_normalize_to(direction, out_head);
+}
+
+bool trk_recentre(struct trk_attention *a, const float *target_or_null, char out_error[TRK_ERROR_SIZE])
+{
+    const bool rests = a->has_gaze && !a->hidden && !a->settling && a->classifier.state == TRK_FIXATION &&
+                       a->gaze_ns - a->classifier.since_ns >= TRK_LEAST_FIXATION_NS;
+    if (!rests)
+        return trk_fail(out_error,
+                        "recentre: gaze is not at rest (%s), expected a look at the target for 0.1 s",
+                        trk_state_name(a->live.state));
+    float centre[3];
+    vec3 from, to;
+    versor back, rotation;
+    view_centre(a, centre);
+    to_head(a, target_or_null ? target_or_null : centre, to);
+    to_head(a, a->filter.value, from);
+    glm_quat_conjugate(a->rotation, back);
+    glm_quat_rotatev(back, from, from);
+    glm_quat_from_vecs(from, to, rotation);
+    if (trk_recentre_set(a, rotation)) return true;
+    return trk_fail(out_error, "recentre: gaze is %.0f degrees from the target, expected at most %.0f",
+                    trk_angle_deg(from, to), largest_turn_deg);
+}

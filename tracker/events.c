@@ -1,0 +1,255 @@
+/* The classifier of the live stream, and the events of a whole log that it finds. */
+#include "events.h"
+
+#include "arc.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define MS UINT64_C(1000000)
+
+/* Onset at 70 deg/s and offset at 40 deg/s at least: the usual 30 deg/s (Tobii XR Ocumen) drowns in the noise
+ * of a headset, which from sample to sample at 120 Hz is 60 to 120 deg/s. Both rise with the measured noise:
+ * the speed of an eye at rest is Rayleigh distributed, and passes 4.5 of its scale once in 25,000 samples and
+ * 2 in one of seven. */
+static const double onset_deg_s = 70, onset_noises = 4.5, offset_deg_s = 40, offset_noises = 2;
+/* Speed is the difference of the means over a newest and a base span, and a skip between them. At 120 Hz: one
+ * sample and the three before it show the onset of a large saccade soonest; one sample and three with a
+ * sample skipped, of a small one, which takes three samples as large ones do and would spoil its own base;
+ * one and two show the offset, and forget the flight sooner; one and one the peak. */
+static const struct span {
+    uint64_t skip_ns, base_ns;
+} onset_spans[] = {{0, 27 * MS}, {7 * MS, 27 * MS}}, offset_span = {0, 13 * MS}, peak_span = {0, 5 * MS};
+static const uint64_t newest_ns = 6 * MS;
+enum { ONSETS = sizeof onset_spans / sizeof *onset_spans };
+/* The longest saccade there is, 40 degrees, takes 110 ms. */
+static const uint64_t longest_saccade_ns = 150 * MS;
+/* Pursuit: the slope over 100 ms stays above 10 deg/s, or 4 deviations of its noise, for another 100 ms, in
+ * which the largest step that no onset shows has passed; it ends at half of that. */
+static const double pursuit_deg_s = 10, pursuit_noises = 4;
+static const uint64_t pursuit_ns = 100 * MS;
+/* Noise to begin with, and the least: no tracker is better. The median settles to within some steps of 1 %.
+ */
+static const double first_noise_deg = 0.2, least_noise_deg = 0.01, noise_step = 0.01;
+
+void trk_classifier_init(struct trk_classifier *classifier)
+{
+    *classifier = (struct trk_classifier){.state = TRK_FIXATION, .noise_deg = first_noise_deg};
+}
+
+/* --- speeds --------------------------------------------------------------------------------------------- */
+
+struct mean {
+    int count;
+    double age_ns; /* before the newest sample */
+    vec3 head, world;
+};
+
+static const struct trk_past *past(const struct trk_classifier *c, uint64_t age)
+{
+    return &c->past[(c->count - 1 - age) % TRK_PAST];
+}
+
+static uint64_t kept(const struct trk_classifier *c)
+{
+    return c->count < TRK_PAST ? c->count : TRK_PAST;
+}
+
+/* Mean over the samples from number *age back, the newest being 0, that are less than span_ns older than the
+ * newest and not older than not_before_ns; at least one, if there is one. Moves *age past them. */
+static void average(const struct trk_classifier *c, uint64_t *age, uint64_t span_ns, uint64_t not_before_ns,
+                    struct mean *out)
+{
+    uint64_t now_ns = past(c, 0)->time_ns;
+    *out = (struct mean){0};
+    for (; *age < kept(c); ++*age) {
+        const struct trk_past *p = past(c, *age);
+        if (p->time_ns < not_before_ns || (out->count && now_ns - p->time_ns >= span_ns)) break;
+        glm_vec3_add(out->head, (float *)p->head, out->head);
+        glm_vec3_add(out->world, (float *)p->world, out->world);
+        out->age_ns += (double)(now_ns - p->time_ns);
+        out->count++;
+    }
+    if (!out->count) return;
+    glm_vec3_divs(out->head, (float)out->count, out->head);
+    glm_vec3_divs(out->world, (float)out->count, out->world);
+    out->age_ns /= out->count;
+}
+
+/* Speeds in deg/s; all 0 while there are too few samples. The base is normalised into out_from. */
+struct speed {
+    double world, lesser; /* of gaze in the world; the lesser of that and the eye's in the head */
+    double noise;         /* standard deviation of an axis of either */
+    vec3 from;            /* mean direction in the world of the base, of unit length */
+};
+
+static struct speed speed_over(const struct trk_classifier *c, struct span span, uint64_t not_before_ns)
+{
+    struct mean newest, skipped, base;
+    struct speed speed = {0};
+    uint64_t age = 0;
+    average(c, &age, newest_ns, not_before_ns, &newest);
+    if (span.skip_ns) average(c, &age, newest_ns + span.skip_ns, not_before_ns, &skipped);
+    average(c, &age, newest_ns + span.skip_ns + span.base_ns, not_before_ns, &base);
+    if (!newest.count || !base.count) return speed;
+    double dt_s = (base.age_ns - newest.age_ns) * 1e-9;
+    double head = glm_deg(glm_vec3_distance(newest.head, base.head)) / dt_s;
+    speed.world = glm_deg(glm_vec3_distance(newest.world, base.world)) / dt_s;
+    speed.lesser = fmin(head, speed.world);
+    speed.noise = c->noise_deg * sqrt(1.0 / newest.count + 1.0 / base.count) / dt_s;
+    glm_vec3_normalize_to(base.world, speed.from);
+    return speed;
+}
+
+/* The slope of gaze in the world over the last 100 ms, by least squares, and the deviation of its noise. */
+static double slope(const struct trk_classifier *c, double *out_noise)
+{
+    uint64_t now_ns = past(c, 0)->time_ns, count = 0;
+    double t = 0, tt = 0;
+    vec3 x = {0}, tx = {0};
+    for (; count < kept(c); count++) {
+        const struct trk_past *p = past(c, count);
+        if (p->time_ns < c->since_ns || now_ns - p->time_ns > pursuit_ns) break;
+        double age_s = (double)(now_ns - p->time_ns) * 1e-9;
+        t += age_s;
+        tt += age_s * age_s;
+        glm_vec3_add(x, (float *)p->world, x);
+        glm_vec3_muladds((float *)p->world, (float)age_s, tx);
+    }
+    double spread = tt - t * t / (double)count;
+    *out_noise = INFINITY;
+    if (count < 3 || spread <= 0) return 0;
+    glm_vec3_muladds(x, (float)(-t / (double)count), tx);
+    *out_noise = c->noise_deg / sqrt(spread);
+    return glm_deg(glm_vec3_norm(tx)) / spread;
+}
+
+/* The second difference of three samples in a row is blind to smooth movement, and six times the variance of
+ * one. Its length is Rayleigh distributed; the median of that is approached by steps, up as often as down, so
+ * that no saccade disturbs it (stochastic approximation: Robbins and Monro 1951). */
+static void measure_noise(struct trk_classifier *c)
+{
+    if (c->count < 3) return;
+    const struct trk_past *a = past(c, 0), *b = past(c, 1), *d = past(c, 2);
+    uint64_t newer_ns = a->time_ns - b->time_ns, older_ns = b->time_ns - d->time_ns;
+    if (newer_ns > older_ns * 3 / 2 || older_ns > newer_ns * 3 / 2) return;
+    vec3 second;
+    glm_vec3_add((float *)a->world, (float *)d->world, second);
+    glm_vec3_muladds((float *)b->world, -2, second);
+    double median = sqrt(2 * M_LN2) * sqrt(6) * c->noise_deg;
+    c->noise_deg *= glm_deg(glm_vec3_norm(second)) > median ? 1 + noise_step : 1 / (1 + noise_step);
+    c->noise_deg = fmax(c->noise_deg, least_noise_deg);
+}
+
+/* --- states --------------------------------------------------------------------------------------------- */
+
+static void enter(struct trk_classifier *c, enum trk_state state, uint64_t since_ns)
+{
+    c->state = state;
+    c->since_ns = since_ns;
+    c->steady_ns = past(c, 0)->time_ns;
+}
+
+/* In a saccade: has it ended? The newest two samples of those that tell are already at rest. */
+static void follow_saccade(struct trk_classifier *c, uint64_t now_ns)
+{
+    struct speed speed = speed_over(c, offset_span, 0);
+    double threshold = fmax(offset_deg_s, offset_noises * speed.noise);
+    if (speed.lesser >= threshold && now_ns - c->since_ns <= longest_saccade_ns) return;
+    enter(c, TRK_FIXATION, past(c, 1)->time_ns);
+}
+
+/* steady_ns is when the slope was last on this state's side of its threshold. */
+static void follow_slope(struct trk_classifier *c, uint64_t now_ns)
+{
+    double noise, speed = slope(c, &noise);
+    double threshold = fmax(pursuit_deg_s, pursuit_noises * noise);
+    bool pursues = c->state == TRK_PURSUIT;
+    if (pursues ? speed >= 0.5 * threshold : speed < threshold)
+        c->steady_ns = now_ns;
+    else if (now_ns - c->steady_ns >= pursuit_ns)
+        enter(c, pursues ? TRK_FIXATION : TRK_PURSUIT, now_ns - pursuit_ns);
+}
+
+enum trk_state trk_classify(struct trk_classifier *c, uint64_t time_ns, const float head[3],
+                            const float world[3])
+{
+    bool bridged = c->count && time_ns - past(c, 0)->time_ns < TRK_BRIDGED_NS;
+    if (!bridged) c->count = 0;
+    struct trk_past *p = &c->past[c->count++ % TRK_PAST];
+    p->time_ns = time_ns;
+    memcpy(p->head, head, sizeof p->head);
+    memcpy(p->world, world, sizeof p->world);
+    if (!bridged) {
+        enter(c, TRK_FIXATION, time_ns);
+        c->speed_deg_s = 0;
+        return c->state;
+    }
+
+    double fastest = speed_over(c, peak_span, 0).world;
+    c->speed_deg_s = (float)speed_over(c, onset_spans[0], 0).world;
+    if (c->state == TRK_SACCADE) {
+        c->peak_deg_s = fmaxf(c->peak_deg_s, (float)fastest);
+        follow_saccade(c, time_ns);
+        return c->state;
+    }
+    for (int i = 0; i < ONSETS; i++) {
+        struct speed speed = speed_over(c, onset_spans[i], c->since_ns);
+        if (speed.lesser <= fmax(onset_deg_s, onset_noises * speed.noise)) continue;
+        memcpy(c->from, speed.from, sizeof c->from);
+        c->peak_deg_s = (float)fmax(fastest, speed.world);
+        enter(c, TRK_SACCADE, time_ns);
+        return c->state;
+    }
+    measure_noise(c);
+    follow_slope(c, time_ns);
+    return c->state;
+}
+
+/* --- samples -------------------------------------------------------------------------------------------- */
+
+bool trk_gaze_direction(const struct trk_sample *sample, float out_head[3], const char **out_source)
+{
+    const bool left = sample->valid & TRK_LEFT_DIRECTION, right = sample->valid & TRK_RIGHT_DIRECTION;
+    const char *source = "both eyes";
+    vec3 direction = {0};
+    if (sample->valid & TRK_DIRECTION) {
+        memcpy(direction, sample->direction, sizeof direction);
+    } else {
+        if (left) glm_vec3_add(direction, (float *)sample->eye[0].direction, direction);
+        if (right) glm_vec3_add(direction, (float *)sample->eye[1].direction, direction);
+        if (left != right) source = left ? "left eye" : "right eye";
+    }
+    if (!(glm_vec3_norm(direction) > 0.5f)) return false; /* nothing, or eyes that look apart */
+    glm_vec3_normalize_to(direction, out_head);
+    if (out_source) *out_source = source;
+    return true;
+}
+
+void trk_to_world(const struct trk_sample *sample, const float head[3], float out_world[3])
+{
+    vec3 direction = {head[0], head[1], head[2]};
+    if (sample->valid & TRK_HEAD) {
+        versor pose; /* a copy: cglm's is aligned */
+        memcpy(pose, &sample->head[3], sizeof pose);
+        glm_quat_rotatev(pose, direction, direction);
+        glm_vec3_normalize(direction);
+    }
+    memcpy(out_world, direction, sizeof direction);
+}
+
+bool trk_lids_closed(const struct trk_sample *sample, bool *out_known)
+{
+    float widest = -1;
+    if (sample->valid & TRK_LEFT_OPENNESS) widest = sample->eye[0].openness;
+    if (sample->valid & TRK_RIGHT_OPENNESS) widest = fmaxf(widest, sample->eye[1].openness);
+    *out_known = widest >= 0;
+    return *out_known && widest < 0.5f;
+}
+
+const char *trk_state_name(enum trk_state state)
+{
+    static const char *const names[] = {"fixation", "pursuit",  "saccade", "blink",
+                                        "lost",     "fallback", "frozen"};
+    return names[state];
+}
