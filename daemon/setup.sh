@@ -13,7 +13,7 @@ tests) tests="libcmocka-dev" ;;
 esac
 packages="gcc g++ cmake ninja-build pkg-config protobuf-c-compiler libassimp-dev libcglm-dev libembree-dev libhidapi-dev
     libjansson-dev libjpeg62-turbo-dev libopenimageio-dev libprotobuf-c-dev libusb-1.0-0-dev libwebsockets-dev
-    libzstd-dev $tests"
+    libzstd-dev zlib1g-dev $tests"
 
 command -v dpkg-query >/dev/null || die "there is no dpkg here: install by hand what these Debian packages hold:" $packages
 missing=

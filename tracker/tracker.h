@@ -70,19 +70,41 @@ bool trk_world_direction(const struct trk_sample *sample, float out_direction[3]
 /* A recorded log, whole in memory. Samples are ordered by device_ns, which never goes back. arrival_ns of
  * a log's samples is the time of the recording's own host clock where the format has one, else equal to
  * device_ns. */
+enum { TRK_ASSUMED_SIZE = 1024 };
+
 struct trk_log {
     const char *format; /* name of the format it was read as: static storage */
     size_t count;
-    struct trk_sample *samples; /* count of them; owned by the log */
+    struct trk_sample *samples;     /* count of them; owned by the log */
+    char assumed[TRK_ASSUMED_SIZE]; /* what the reader took for granted, one line, "; " between; may be "" */
 };
 
-/* Read a log of any known format, told by its first line. On failure returns false with a line in
- * out_error and leaves *out_log empty. Refused: what is no regular file, no rows, unknown header, time or
- * sequence going back, non-finite numbers, directions that are not of unit length,
- * more than 64 Mi rows or 104 days. A last line of the own format that a crash has torn is dropped. The caller frees with trk_log_finish(). */
+/* What a log does not say of itself, or says wrongly. Zero or NULL everywhere is what trk_log_read() does. */
+struct trk_log_options {
+    const char *format;    /* "fovead", "sranipal", "eyelink", ... instead of telling it by the content */
+    const char *time_unit; /* "s", "ms", "us" or "ns": of the log's own times */
+    /* Where the log's +X, +Y and +Z point: three letters, of L or R, U or D, F or B; "RUF" is Unity's frame,
+     * "LUF" HTC's and Tobii's, "RDF" a camera's, "RUB" ours. Of the gaze, not of a head pose. */
+    const char *frame;
+    /* The screen of a log in screen coordinates: its width and distance, or its angle across. */
+    double screen_width_m, screen_distance_m;
+    double screen_fov_deg;
+};
+
+/* Read a log of any known format, told by what it begins with; gzip is unpacked. On failure returns false with
+ * a line in out_error and leaves *out_log empty. Refused: what is no regular file, no rows, a header that is
+ * unknown or may be of several formats, time or sequence going back, infinite numbers, directions that are not
+ * of unit length where they should be, more than 64 Mi rows or 104 days, more than 4 GiB unpacked. Samples that
+ * the tracker lost are in the log, without a direction. The caller frees with trk_log_finish(). */
 bool trk_log_read(const char *path, struct trk_log *out_log, char out_error[TRK_ERROR_SIZE]);
 
-/* Write a log in the project's own format (documented in log/own.h); it appears whole or not at all. */
+/* The same, helped by options, which need to live only during the call. Options that are impossible, or that
+ * this format has no use for, are refused. */
+bool trk_log_read_with(const char *path, const struct trk_log_options *options, struct trk_log *out_log,
+                       char out_error[TRK_ERROR_SIZE]);
+
+/* Write a log; it appears whole or not at all. A path that ends with .tsv.gz is written as BIDS eye tracking,
+ * with its sidecar .json beside it (log/bids_write.c); any other in the project's own format (log/own.h). */
 bool trk_log_write(const char *path, const struct trk_log *log, char out_error[TRK_ERROR_SIZE]);
 
 void trk_log_finish(struct trk_log *log);

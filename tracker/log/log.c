@@ -1,147 +1,197 @@
-/* Logs: the table of formats, and what all formats share. What a format looks like is in its own file. */
+/* Logs: the table of formats, how one is told from another, and what all readings share. */
 #include "log/log.h"
 
 #include "error.h"
+#include "log/formats.h"
 #include "log/own.h"
-#include "log/sranipal.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 static const struct trk_log_format *const formats[] = {
     &trk_log_own,
     &trk_log_sranipal,
+    &trk_log_salient360_static,
+    &trk_log_salient360_dynamic,
+    &trk_log_pupil_core,
+    &trk_log_pupil_cloud,
+    &trk_log_tobii_lab,
+    &trk_log_glasses3,
+    &trk_log_pico,
+    &trk_log_eyelink,
+    &trk_log_gazepoint,
+    &trk_log_open_gaze,
+    &trk_log_gazebase,
+    &trk_log_gazebase_vr,
+    &trk_log_arff,
+    &trk_log_pymovements,
+    &trk_log_bids,
 };
 enum { FORMATS = sizeof formats / sizeof *formats };
 
-/* --- lines ---------------------------------------------------------------------------------------------- */
+/* Files that lie beside a gaze log, or bear its name, and hold no gaze that could be used. */
+static const struct {
+    const char *columns[4];
+    const char *says;
+} namesakes[] = {
+    {{"section id", "gaze detected on surface", "gaze position on surface x"},
+     "gaze on a mapped picture, which has no direction; expected the gaze.csv of the raw data export"},
+    {{"section id", "recording id", "gaze position in reference image x"},
+     "gaze on a reference image, which has no direction; expected the gaze.csv of the raw data export"},
+    {{"section id", "blink id", "start timestamp"}, "Pupil Cloud's blinks, expected its gaze.csv"},
+    {{"section id", "fixation id", "start timestamp"}, "Pupil Cloud's fixations, expected its gaze.csv"},
+    {{"section id", "gyro x", "acceleration x"}, "Pupil Cloud's IMU, expected its gaze.csv"},
+};
 
-bool trk_lines_fail(const struct trk_lines *lines, char out_error[TRK_ERROR_SIZE], const char *format, ...)
+/* --- what all readings share ---------------------------------------------------------------------------- */
+
+void trk_assume(struct trk_reading *reading, const char *format, ...)
 {
-    char prefix[TRK_ERROR_SIZE];
-    /* A long path is cut at its start, so that the reason keeps its room. */
-    size_t length = strlen(lines->path), room = TRK_ERROR_SIZE / 2;
-    const char *tail = length > room ? lines->path + length - room : lines->path;
-    snprintf(prefix, sizeof prefix, "%s%s:%zu: ", tail == lines->path ? "" : "...", tail, lines->number);
+    char *assumed = reading->log->assumed;
+    size_t length = strlen(assumed);
     va_list arguments;
+    if (length >= TRK_ASSUMED_SIZE - 3) return;
+    if (length) length += (size_t)sprintf(assumed + length, "; ");
     va_start(arguments, format);
-    trk_vfail(out_error, prefix, format, arguments);
+    vsnprintf(assumed + length, TRK_ASSUMED_SIZE - length, format, arguments);
     va_end(arguments);
-    return false;
+    for (char *c = assumed + length; *c; c++)
+        if (iscntrl((unsigned char)*c)) *c = '?'; /* what a file names its columns */
 }
 
-/* Byte by byte and not getline(): a file without a newline must not decide how much memory is taken. */
-enum trk_line trk_lines_next(struct trk_lines *lines, char out_error[TRK_ERROR_SIZE])
+static bool append(struct trk_reading *reading, const struct trk_sample *sample,
+                   char out_error[TRK_ERROR_SIZE])
 {
-    size_t length = 0;
-    int c;
-    lines->number++;
-    while ((c = getc_unlocked(lines->file)) != EOF && c != '\n') {
-        if (c == '\0') {
-            trk_lines_fail(lines, out_error, "holds a NUL byte, expected text");
-            return TRK_LINE_FAILED;
-        }
-        if (length == TRK_LINE_SIZE - 1) {
-            trk_lines_fail(lines, out_error, "is longer than %d bytes, expected one sample a line",
-                           TRK_LINE_SIZE - 1);
-            return TRK_LINE_FAILED;
-        }
-        lines->text[length++] = (char)c;
-    }
-    lines->has_newline = c == '\n';
-    if (c == EOF && ferror(lines->file)) {
-        trk_lines_fail(lines, out_error, "%s", strerror(errno));
-        return TRK_LINE_FAILED;
-    }
-    if (c == EOF && length == 0) return TRK_LINE_END;
-    if (length > 0 && lines->text[length - 1] == '\r') length--;
-    lines->text[length] = '\0';
-    return TRK_LINE;
-}
-
-size_t trk_split(char *text, char separator, char *out_fields[TRK_MAX_FIELDS])
-{
-    size_t count = 0;
-    for (;;) {
-        if (count < TRK_MAX_FIELDS) out_fields[count] = text;
-        count++;
-        text = strchr(text, separator);
-        if (!text) return count;
-        *text++ = '\0';
-    }
-}
-
-/* --- numbers -------------------------------------------------------------------------------------------- */
-
-/* strtof() and strtoll() skip white space before a number; a field must start with it. */
-static bool starts_number(const char *field)
-{
-    return *field != '\0' && !strchr(" \t\v\f\r\n", *field);
-}
-
-bool trk_parse_float(const char *field, float *out_value)
-{
-    char *end;
-    if (!starts_number(field)) return false;
-    *out_value = strtof(field, &end);
-    return end != field && *end == '\0';
-}
-
-bool trk_parse_int64(const char *field, int64_t *out_value)
-{
-    char *end;
-    if (!starts_number(field)) return false;
-    errno = 0;
-    *out_value = strtoll(field, &end, 10);
-    return end != field && *end == '\0' && errno == 0;
-}
-
-bool trk_is_unit(const float *v, int n)
-{
-    double sum = 0;
-    for (int i = 0; i < n; i++) sum += (double)v[i] * v[i];
-    return fabs(sqrt(sum) - 1) <= TRK_UNIT_TOLERANCE;
-}
-
-/* --- logs ----------------------------------------------------------------------------------------------- */
-
-bool trk_log_append(struct trk_log *log, size_t *capacity, const struct trk_sample *sample,
-                    const struct trk_lines *lines, char out_error[TRK_ERROR_SIZE])
-{
-    const struct trk_sample *last = log->count ? &log->samples[log->count - 1] : NULL;
-    if (last && sample->device_ns < last->device_ns)
-        return trk_lines_fail(lines, out_error, "device time goes back by %llu ns, expected it never to",
-                              (unsigned long long)(last->device_ns - sample->device_ns));
-    if (last && sample->arrival_ns < last->arrival_ns)
-        return trk_lines_fail(lines, out_error, "arrival time goes back by %llu ns, expected it never to",
-                              (unsigned long long)(last->arrival_ns - sample->arrival_ns));
-    if (sample->sequence <= (last ? last->sequence : 0))
-        return trk_lines_fail(lines, out_error, "sequence %llu, expected more than %llu",
-                              (unsigned long long)sample->sequence,
-                              (unsigned long long)(last ? last->sequence : 0));
+    struct trk_log *log = reading->log;
     if (sample->device_ns > TRK_MAX_DEVICE_NS)
-        return trk_lines_fail(lines, out_error, "device time is %.0f days, expected at most %.0f",
+        return trk_lines_fail(&reading->lines, out_error, "device time is %.0f days, expected at most %.0f",
                               (double)sample->device_ns / 86400e9, (double)TRK_MAX_DEVICE_NS / 86400e9);
     if (log->count == TRK_MAX_ROWS)
-        return trk_lines_fail(lines, out_error, "is one row too many, expected at most %d", TRK_MAX_ROWS);
-    if (log->count == *capacity) {
-        size_t grown = *capacity ? *capacity * 2 : 1024;
+        return trk_lines_fail(&reading->lines, out_error, "is one row too many, expected at most %d",
+                              TRK_MAX_ROWS);
+    if (log->count == reading->capacity) {
+        size_t grown = reading->capacity ? reading->capacity * 2 : 1024;
         struct trk_sample *samples = realloc(log->samples, grown * sizeof *samples);
-        if (!samples) return trk_lines_fail(lines, out_error, "no memory for %zu samples", grown);
+        if (!samples) return trk_lines_fail(&reading->lines, out_error, "no memory for %zu samples", grown);
         log->samples = samples;
-        *capacity = grown;
+        reading->capacity = grown;
     }
     log->samples[log->count++] = *sample;
     return true;
 }
 
+bool trk_log_append(struct trk_reading *reading, const struct trk_sample *sample,
+                    char out_error[TRK_ERROR_SIZE])
+{
+    const struct trk_log *log = reading->log;
+    const struct trk_sample *last = log->count ? &log->samples[log->count - 1] : NULL;
+    uint64_t slack = reading->disordered ? TRK_MAX_DISORDER_NS : 0;
+    if (last && sample->device_ns + slack < last->device_ns)
+        return trk_lines_fail(&reading->lines, out_error, "device time goes back by %llu ns, expected %s",
+                              (unsigned long long)(last->device_ns - sample->device_ns),
+                              slack ? "less than a second" : "it never to");
+    if (last && sample->arrival_ns + slack < last->arrival_ns)
+        return trk_lines_fail(&reading->lines, out_error,
+                              "arrival time goes back by %llu ns, expected it never to",
+                              (unsigned long long)(last->arrival_ns - sample->arrival_ns));
+    if (sample->sequence <= (last ? last->sequence : 0))
+        return trk_lines_fail(&reading->lines, out_error, "sequence %llu, expected more than %llu",
+                              (unsigned long long)sample->sequence,
+                              (unsigned long long)(last ? last->sequence : 0));
+    if (last && sample->device_ns < last->device_ns) reading->late++;
+    return append(reading, sample, out_error);
+}
+
+static int by_time(const void *a, const void *b)
+{
+    const struct trk_sample *x = a, *y = b;
+    if (x->device_ns != y->device_ns) return x->device_ns > y->device_ns ? 1 : -1;
+    return (x->sequence > y->sequence) - (x->sequence < y->sequence);
+}
+
+/* Sort a disordered log, whose times start at TRK_MAX_DISORDER_NS so that none is below 0, and count anew. */
+static void put_in_order(struct trk_reading *reading)
+{
+    struct trk_log *log = reading->log;
+    if (!reading->disordered || log->count == 0) return;
+    if (reading->late) {
+        qsort(log->samples, log->count, sizeof *log->samples, by_time);
+        trk_assume(reading, "%zu rows came out of order and were sorted by time", reading->late);
+    }
+    uint64_t first_ns = log->samples[0].device_ns;
+    for (size_t i = 0; i < log->count; i++) {
+        log->samples[i].device_ns -= first_ns;
+        log->samples[i].arrival_ns = log->samples[i].device_ns;
+        log->samples[i].sequence = i + 1;
+    }
+}
+
+/* --- which format --------------------------------------------------------------------------------------- */
+
+static bool has_columns(const struct trk_header *header, const char *const columns[])
+{
+    if (!columns[0]) return false;
+    for (int i = 0; columns[i]; i++)
+        if (trk_header_find(header, columns[i]) < 0) return false;
+    return true;
+}
+
+/* The format by its content; NULL with a message if it is none or may be several. */
+static const struct trk_log_format *detect(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
+{
+    const struct trk_log_format *found = NULL;
+    char names[384] = "";
+    int count = 0;
+    for (int i = 0; i < FORMATS; i++) {
+        const struct trk_log_format *format = formats[i];
+        if (!(format->detect ? format->detect(reading) : has_columns(&reading->header, format->columns)))
+            continue;
+        size_t length = strlen(names);
+        snprintf(names + length, sizeof names - length, "%s%s", count++ ? ", " : "", format->id);
+        found = format;
+    }
+    if (count == 1) return found;
+    for (size_t i = 0; count == 0 && i < sizeof namesakes / sizeof *namesakes; i++)
+        if (has_columns(&reading->header, namesakes[i].columns)) {
+            trk_lines_fail(&reading->lines, out_error, "is %s", namesakes[i].says);
+            return NULL;
+        }
+    if (count > 1) {
+        trk_lines_fail(&reading->lines, out_error, "may be any of %s: expected the format to be told", names);
+        return NULL;
+    }
+    for (int i = 1; i < FORMATS; i++) {
+        size_t length = strlen(names);
+        snprintf(names + length, sizeof names - length, "%s%s", i > 1 ? ", " : "", formats[i]->id);
+    }
+    trk_lines_fail(&reading->lines, out_error,
+                   "unknown header '%.40s', expected 'fovead-gaze 1' or that of %s", reading->lines.text,
+                   names);
+    return NULL;
+}
+
+static const struct trk_log_format *by_name(const char *name, char out_error[TRK_ERROR_SIZE])
+{
+    char names[384] = "";
+    for (int i = 0; i < FORMATS; i++) {
+        if (strcasecmp(name, formats[i]->id) == 0) return formats[i];
+        size_t length = strlen(names);
+        snprintf(names + length, sizeof names - length, "%s%s", i ? ", " : "", formats[i]->id);
+    }
+    trk_fail(out_error, "unknown log format '%.40s', expected one of %s", name, names);
+    return NULL;
+}
+
+/* --- reading -------------------------------------------------------------------------------------------- */
+
 /* A regular file, and nothing that could block or never end. */
-static FILE *open_file(const char *path, char out_error[TRK_ERROR_SIZE])
+static gzFile open_file(const char *path, char out_error[TRK_ERROR_SIZE])
 {
     int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     if (fd < 0) {
@@ -154,52 +204,108 @@ static FILE *open_file(const char *path, char out_error[TRK_ERROR_SIZE])
         close(fd);
         return NULL;
     }
-    FILE *file = fdopen(fd, "r");
+    gzFile file = gzdopen(fd, "rb");
     if (!file) {
-        trk_fail(out_error, "%s: %s", path, strerror(errno));
+        trk_fail(out_error, "%s: no memory", path);
         close(fd);
     }
     return file;
 }
 
-static bool read_lines(struct trk_lines *lines, struct trk_log *log, char out_error[TRK_ERROR_SIZE])
+static bool read_reading(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
 {
+    struct trk_lines *lines = &reading->lines;
+    const struct trk_log_options *options = reading->options;
+    const char *path = lines->path;
+    int count = gzread(lines->file, reading->head, TRK_HEAD_SIZE);
+    reading->head[count > 0 ? count : 0] = '\0';
+    gzrewind(lines->file);
     switch (trk_lines_next(lines, out_error)) {
     case TRK_LINE_FAILED:
         return false;
     case TRK_LINE_END:
-        return trk_fail(out_error, "%s: is empty, expected a gaze log", lines->path);
+        return trk_fail(out_error, "%s: is empty, expected a gaze log", path);
     case TRK_LINE:
         break;
     }
-    for (int i = 0; i < FORMATS; i++) {
-        if (!formats[i]->detect(lines->text)) continue;
-        log->format = formats[i]->name;
-        if (!formats[i]->read(lines, log, out_error)) return false;
-        if (log->count > 0) return true;
-        return trk_fail(out_error, "%s: holds no samples, expected at least one row after the header",
-                        lines->path);
-    }
-    char expected[256] = "";
-    for (int i = 0; i < FORMATS; i++) {
-        size_t length = strlen(expected);
-        snprintf(expected + length, sizeof expected - length, "%s%s", i ? " or " : "", formats[i]->expects);
-    }
-    return trk_lines_fail(lines, out_error, "unknown header '%.40s', expected %s", lines->text, expected);
+    trk_header_parse(&reading->header, lines->text);
+    const struct trk_log_format *format =
+        options->format ? by_name(options->format, out_error) : detect(reading, out_error);
+    if (!format) return false;
+    unsigned given = (options->time_unit ? TRK_TAKES_TIME_UNIT : 0) | (options->frame ? TRK_TAKES_FRAME : 0) |
+                     (options->screen_width_m > 0 || options->screen_fov_deg > 0 ? TRK_TAKES_SCREEN : 0);
+    if (given & ~format->takes)
+        return trk_fail(out_error, "%s: a log of %s has a fixed %s, expected none to be told", path,
+                        format->name,
+                        given & ~format->takes & TRK_TAKES_TIME_UNIT ? "time unit"
+                        : given & ~format->takes & TRK_TAKES_FRAME   ? "frame"
+                                                                     : "geometry without a screen");
+    reading->log->format = format->name;
+    if (!format->read(reading, out_error)) return false;
+    if (reading->log->count == 0)
+        return trk_fail(out_error, "%s: holds no samples, expected at least one row after the header", path);
+    put_in_order(reading);
+    return true;
+}
+
+/* What the options say must be possible before any file is looked at. */
+static bool check_options(const struct trk_log_options *options, char out_error[TRK_ERROR_SIZE])
+{
+    static const char *const units[] = {"s", "ms", "us", "ns"};
+    const double width = options->screen_width_m, distance = options->screen_distance_m;
+    struct trk_frame frame;
+    bool known = !options->time_unit;
+    for (size_t i = 0; i < sizeof units / sizeof *units && !known; i++)
+        known = strcmp(options->time_unit, units[i]) == 0;
+    if (!known) return trk_fail(out_error, "time unit '%.20s', expected s, ms, us or ns", options->time_unit);
+    if (options->frame && !trk_frame_parse(options->frame, &frame))
+        return trk_fail(
+            out_error,
+            "frame '%.20s', expected where +X, +Y and +Z point: three letters, one of L R, one of U D "
+            "and one of F B",
+            options->frame);
+    if (!(options->screen_fov_deg >= 0 && options->screen_fov_deg < 180))
+        return trk_fail(out_error, "field of view of %g degrees, expected more than 0 and less than 180",
+                        options->screen_fov_deg);
+    if (!(width >= 0 && width < 1000 && distance >= 0 && distance < 1000) || (width > 0) != (distance > 0))
+        return trk_fail(out_error, "screen %g m wide and %g m away, expected both above 0", width, distance);
+    if (width > 0 && options->screen_fov_deg > 0)
+        return trk_fail(out_error, "a screen's size and its field of view, expected one of them");
+    return true;
+}
+
+bool trk_log_read_with(const char *path, const struct trk_log_options *options, struct trk_log *out_log,
+                       char out_error[TRK_ERROR_SIZE])
+{
+    *out_log = (struct trk_log){0};
+    if (!check_options(options, out_error)) return false;
+    struct trk_reading *reading = calloc(1, sizeof *reading);
+    if (!reading) return trk_fail(out_error, "%s: no memory", path);
+    reading->lines.path = path;
+    reading->options = options;
+    reading->log = out_log;
+    reading->lines.file = open_file(path, out_error);
+    bool ok = reading->lines.file && read_reading(reading, out_error);
+    if (reading->lines.file) gzclose(reading->lines.file);
+    free(reading);
+    if (!ok) trk_log_finish(out_log);
+    return ok;
 }
 
 bool trk_log_read(const char *path, struct trk_log *out_log, char out_error[TRK_ERROR_SIZE])
 {
-    *out_log = (struct trk_log){0};
-    struct trk_lines *lines = calloc(1, sizeof *lines);
-    if (!lines) return trk_fail(out_error, "%s: no memory", path);
-    lines->path = path;
-    lines->file = open_file(path, out_error);
-    bool ok = lines->file && read_lines(lines, out_log, out_error);
-    if (lines->file) fclose(lines->file);
-    free(lines);
-    if (!ok) trk_log_finish(out_log);
-    return ok;
+    return trk_log_read_with(path, &(const struct trk_log_options){0}, out_log, out_error);
+}
+
+bool trk_log_write(const char *path, const struct trk_log *log, char out_error[TRK_ERROR_SIZE])
+{
+    static const char bids[] = ".tsv.gz";
+    size_t length = strlen(path);
+    struct stat status;
+    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
+        return trk_fail(out_error, "%s: not a regular file, expected a place for a gaze log", path);
+    bool is_bids = length > strlen(bids) && strcmp(path + length - strlen(bids), bids) == 0;
+    return (is_bids ? trk_bids_write : trk_own_write)(path, log, out_error);
 }
 
 void trk_log_finish(struct trk_log *log)

@@ -1,7 +1,9 @@
-/* What every log format is made with: lines of a file, numbers, rows, and messages that name file and line.
+/* What every log format is made with: lines of a file, the columns of a table, numbers, times, frames,
+ * screens, rows, and messages that name file and line.
  *
- * Only tracker/log/ includes this. A format is one file with a `const struct trk_log_format`, and one line in
- * the table in log.c. Formats are told by their first line and never by the file's name.
+ * Only tracker/log/ includes this. A format is one file with a `const struct trk_log_format` (declared in
+ * formats.h), and one line in the table in log.c. Formats are told by what a file begins with and never by
+ * its name.
  */
 #ifndef FOVEAD_TRACKER_LOG_H
 #define FOVEAD_TRACKER_LOG_H
@@ -9,10 +11,12 @@
 #include "tracker.h"
 
 #include <stdio.h>
+#include <zlib.h>
 
 enum {
-    TRK_LINE_SIZE = 4096,            /* bytes of a line with its end: no known format comes near */
-    TRK_MAX_FIELDS = 128,            /* columns of a line */
+    TRK_LINE_SIZE = 16384,           /* bytes of a line with its end: Tobii's headers come near half of it */
+    TRK_HEAD_SIZE = 16384,           /* bytes of a file that tell its format */
+    TRK_MAX_FIELDS = 512,            /* columns of a line */
     TRK_MAX_ROWS = 64 * 1024 * 1024, /* 6 days at 120 Hz */
 };
 
@@ -20,55 +24,233 @@ enum {
  * speed factor could not be applied exactly. */
 #define TRK_MAX_DEVICE_NS (UINT64_C(1) << 53)
 
+/* The most bytes that a compressed log may unpack to: gzip folds a thousand to one, and nobody waits for
+ * that. */
+#define TRK_MAX_UNPACKED (UINT64_C(4) << 30)
+
 /* How far a recorded unit vector or quaternion may be from length 1: a decimal log of three digits passes, a
  * vector in other units does not. */
 #define TRK_UNIT_TOLERANCE 1e-3
 
-/* A file, line by line. */
+/* --- lines ---------------------------------------------------------------------------------------------- */
+
+/* A file, line by line; gzip is unpacked on the way. */
 struct trk_lines {
     const char *path; /* borrowed */
-    FILE *file;
+    gzFile file;
+    uint64_t bytes;           /* taken so far */
     size_t number;            /* of the line in text, from 1 */
     bool has_newline;         /* the line was ended, not cut off by the end of the file */
-    char text[TRK_LINE_SIZE]; /* without its end, LF or CRLF; holds no NUL byte but the last */
+    char text[TRK_LINE_SIZE]; /* without its end, LF or CRLF, and mark of UTF-8; holds no NUL byte but the
+                                 last */
 };
 
 enum trk_line { TRK_LINE, TRK_LINE_END, TRK_LINE_FAILED };
 
 /* Take the next line into lines->text. TRK_LINE_FAILED, with the reason in out_error: a read error, a line
- * that is too long, a NUL byte (the file is no text). */
+ * that is too long, a NUL byte (the file is no text), damaged or oversized gzip. */
 enum trk_line trk_lines_next(struct trk_lines *lines, char out_error[TRK_ERROR_SIZE]);
 
 /* Write "PATH:LINE: <message>" for the line that was read last; returns false. */
 bool trk_lines_fail(const struct trk_lines *lines, char out_error[TRK_ERROR_SIZE], const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/* A separator that is any run of spaces and tabs; those at the ends of a line separate nothing. */
+enum { TRK_BLANKS = 1 };
+
 /* Cut text in place at every separator; fields that are adjacent to nothing are empty. Returns their number,
  * and fills the first TRK_MAX_FIELDS of out_fields, which point into text. */
 size_t trk_split(char *text, char separator, char *out_fields[TRK_MAX_FIELDS]);
+
+/* --- numbers -------------------------------------------------------------------------------------------- */
 
 /* Whole-field numbers: false if the field is empty, has anything before or after the number, or is out of
  * range. Decimal point only: no program of the project calls setlocale(), so strtof() and strtoll() read in
  * the C locale. A float may be read as infinite or NaN: the caller judges. */
 bool trk_parse_float(const char *field, float *out_value);
+bool trk_parse_double(const char *field, double *out_value);
 bool trk_parse_int64(const char *field, int64_t *out_value);
+
+/* A time in ticks of unit_ns, with or without a fraction, to whole nanoseconds. False if it is no finite
+ * number or does not fit. Exact for the nanoseconds of today where long double has 64 bits of mantissa. */
+bool trk_parse_time(const char *field, double unit_ns, int64_t *out_ns);
 
 /* True if v, of n numbers, has a length within TRK_UNIT_TOLERANCE of 1 (NaN never has). */
 bool trk_is_unit(const float *v, int n);
 
-/* Append a sample. Checks what every format must hold: sequence and the times never go back, the device clock
- * stays within TRK_MAX_DEVICE_NS, rows within TRK_MAX_ROWS. capacity starts at 0 and is the caller's to keep.
- */
-bool trk_log_append(struct trk_log *log, size_t *capacity, const struct trk_sample *sample,
-                    const struct trk_lines *lines, char out_error[TRK_ERROR_SIZE]);
+/* --- the reading of one log ----------------------------------------------------------------------------- */
+
+/* The names of a table's columns, from its first line. */
+struct trk_header {
+    char line[TRK_LINE_SIZE]; /* cut into names */
+    char *names[TRK_MAX_FIELDS];
+    size_t count;   /* of columns; more than TRK_MAX_FIELDS is no table */
+    char separator; /* tab, ';', ',' or TRK_BLANKS */
+};
+
+struct trk_reading {
+    struct trk_lines lines;
+    const struct trk_log_options *options;
+    char head[TRK_HEAD_SIZE + 1]; /* what the file begins with */
+    struct trk_header header;     /* its first line */
+    struct trk_log *log;
+    size_t capacity; /* of log->samples */
+    /* Set by a format whose rows may come out of order by up to TRK_MAX_DISORDER_NS; they are sorted in the
+     * end. */
+    bool disordered;
+    size_t late; /* rows that came after a later one */
+};
+
+#define TRK_MAX_DISORDER_NS UINT64_C(1000000000)
+
+/* Options that a format can make use of; one that it cannot is refused. */
+enum { TRK_TAKES_TIME_UNIT = 1, TRK_TAKES_FRAME = 2, TRK_TAKES_SCREEN = 4 };
 
 struct trk_log_format {
-    const char *name;    /* goes to trk_log.format */
-    const char *expects; /* its first line, for the message about an unknown one */
-    bool (*detect)(const char *first_line);
-    /* Read the rest of the file; lines->text holds the first line. On failure the caller frees what out_log
-     * has. */
-    bool (*read)(struct trk_lines *lines, struct trk_log *out_log, char out_error[TRK_ERROR_SIZE]);
+    const char *id;   /* what trk_log_options.format calls it */
+    const char *name; /* goes to trk_log.format */
+    unsigned takes;   /* TRK_TAKES_* */
+    /* Told by columns that its header has, up to six; or, where that does not do, by a function. */
+    const char *columns[7];
+    bool (*detect)(const struct trk_reading *reading);
+    /* Read the whole file; lines.text holds the first line. On failure the caller frees what the log has. */
+    bool (*read)(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE]);
 };
+
+/* Append a sample. Checks what every format must hold: sequence and the times never go back, the device clock
+ * stays within TRK_MAX_DEVICE_NS, rows within TRK_MAX_ROWS. */
+bool trk_log_append(struct trk_reading *reading, const struct trk_sample *sample,
+                    char out_error[TRK_ERROR_SIZE]);
+
+/* Note what was taken for granted, for trk_log.assumed. */
+void trk_assume(struct trk_reading *reading, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* --- tables --------------------------------------------------------------------------------------------- */
+
+/* A table that is being read: rows under the reading's header. */
+struct trk_table {
+    struct trk_reading *reading;
+    char separator;     /* of the rows */
+    bool decimal_comma; /* numbers may be written 1,5; noted in was_comma */
+    bool was_comma;
+    bool may_be_short;            /* fields at a row's end may be left off: they are empty */
+    char *fields[TRK_MAX_FIELDS]; /* of the row that was taken last */
+};
+
+void trk_header_parse(struct trk_header *header, const char *line);
+
+/* The column of that name; names are compared by their letters and digits alone, without regard to case and
+ * to what stands in square brackets. -1: there is none. The first of several. */
+int trk_header_find(const struct trk_header *header, const char *name);
+
+/* The one that has unit in its square brackets too, or has no brackets. */
+int trk_header_find_unit(const struct trk_header *header, const char *name, const char *unit);
+
+void trk_table_init(struct trk_table *table, struct trk_reading *reading);
+
+/* Find n columns; false with a message if one is missing. */
+bool trk_table_need(struct trk_table *table, const char *const names[], int n, int out_columns[],
+                    char out_error[TRK_ERROR_SIZE]);
+
+/* Take the next row that is not empty. TRK_LINE_FAILED too if its number of fields is not the header's; one
+ * more, empty, is let pass. */
+enum trk_line trk_table_next(struct trk_table *table, char out_error[TRK_ERROR_SIZE]);
+
+/* The same with the line that was taken already. */
+enum trk_line trk_table_split(struct trk_table *table, char out_error[TRK_ERROR_SIZE]);
+
+/* A number of the row; NaN where it is missing (empty, NaN, n/a, `.`, or column -1). False with a message if
+ * it is anything else or infinite. */
+bool trk_table_number(struct trk_table *table, int column, double *out_value, char out_error[TRK_ERROR_SIZE]);
+
+/* n numbers in the columns given, as floats. */
+bool trk_table_numbers(struct trk_table *table, const int *columns, int n, float *out_values,
+                       char out_error[TRK_ERROR_SIZE]);
+
+bool trk_table_time(struct trk_table *table, int column, double unit_ns, int64_t *out_ns,
+                    char out_error[TRK_ERROR_SIZE]);
+
+/* The ns of a tick in a column of times of unknown unit, told from the middle step of the first rows: gaze is
+ * recorded at 20 to 2500 Hz, and of s, ms, us and ns only one puts it there. Leaves the reading at the first
+ * row. 0 with a message when none does. An option that names the unit is followed instead. */
+double trk_table_guess_unit(struct trk_table *table, int column, char out_error[TRK_ERROR_SIZE]);
+
+/* --- time, frames, screens ------------------------------------------------------------------------------ */
+
+/* The ns of a tick: what the options say, else own_ns. */
+double trk_time_unit(const struct trk_reading *reading, double own_ns);
+
+/* How far a time may go back and still count as the one before it: trackers and hosts stamp in a hurry. */
+#define TRK_MAX_STEP_BACK_NS UINT64_C(100000000)
+
+/* A clock that counts from its first time and never goes back: what is a little earlier than the last time
+ * counts as that one, and is counted in held. Further back is refused. */
+struct trk_clock {
+    bool started;
+    int64_t first_ns;
+    uint64_t last_ns;
+    size_t held;
+};
+bool trk_clock_count(struct trk_clock *clock, int64_t time_ns, const struct trk_lines *lines,
+                     uint64_t *out_ns, char out_error[TRK_ERROR_SIZE]);
+
+/* How a file's vectors turn into ours (+X right, +Y up, -Z forward): three letters say where its +X, +Y and
+ * +Z point, of L left or R right, U up or D down, F forward or B back. */
+struct trk_frame {
+    int axis[3]; /* of the file's vector, for each of ours */
+    float sign[3];
+};
+bool trk_frame_parse(const char *letters, struct trk_frame *out_frame);
+
+/* The frame that the options say, else the format's own, which must be right. */
+struct trk_frame trk_reading_frame(const struct trk_reading *reading, const char *own);
+void trk_frame_turn(const struct trk_frame *frame, const float v[3], float out[3]);
+
+/* Signs of x to the right and y upwards for formats with two numbers and no vectors; false with a message if
+ * the options name a frame in which they are not across and upright. */
+bool trk_reading_signs(struct trk_reading *reading, const char *own, double out_signs[2],
+                       char out_error[TRK_ERROR_SIZE]);
+
+/* A flat screen, or a camera's picture, straight ahead: direction = ((x - middle) / focal, ..., -1). */
+struct trk_plane {
+    double middle[2], focal[2]; /* both in the unit of x and y */
+    double sign[2];             /* 1 where x grows to the right, y upwards */
+};
+
+/* Its geometry from the options, else the default of own_fov_deg across, which is noted. width and height in
+ * the unit of x and y; aspect is the true width by height. */
+bool trk_plane_init(struct trk_plane *plane, struct trk_reading *reading, double width, double height,
+                    double aspect, double own_fov_deg, const char *what, char out_error[TRK_ERROR_SIZE]);
+void trk_plane_direction(const struct trk_plane *plane, double x, double y, float out_direction[3]);
+
+/* 0.52 m of screen at 0.65 m, for logs that do not know theirs. */
+#define TRK_SCREEN_FOV_DEG 43.6028
+
+/* A direction from yaw to the right and pitch upwards, degrees. */
+void trk_angles_direction(double yaw_deg, double pitch_deg, float out_direction[3]);
+
+/* --- samples -------------------------------------------------------------------------------------------- */
+
+/* An eye's direction (eye 0 left, 1 right, 2 both together), turned from the file's frame and made unit. Not
+ * finite or shorter than 1e-6: lost, nothing is set. */
+void trk_set_direction(struct trk_sample *sample, int eye, const float direction[3],
+                       const struct trk_frame *frame);
+
+/* An eye's origin, the same way, scaled to metres; lost if not finite. */
+void trk_set_origin(struct trk_sample *sample, int eye, const float origin[3], float metres,
+                    const struct trk_frame *frame);
+
+/* Pupil in mm (not finite or not above 0: unknown) and openness 0..1 (not finite: unknown) of eye 0 or 1. */
+void trk_set_pupil(struct trk_sample *sample, int eye, double mm);
+void trk_set_openness(struct trk_sample *sample, int eye, double openness);
+
+/* The combined gaze where the file has none: the mean of the eyes that are valid; one is enough. */
+void trk_combine(struct trk_sample *sample);
+
+/* Unity's frame is left-handed, +X right, +Y up, +Z forward, in metres; mirroring Z takes it to ours. Its
+ * Euler angles are degrees, applied about Z, then X, then Y. Numbers that are not finite leave the pose
+ * unset. */
+void trk_set_unity_head(struct trk_sample *sample, const float position[3], const float rotation[4]);
+void trk_unity_euler(const float angles_deg[3], float out_rotation[4]);
 
 #endif

@@ -1,7 +1,9 @@
 /* Logs of HTC headsets: columns of the SRanipal SDK's eye data, and the head pose as Unity has it.
  *
- * `;` between fields, CRLF, a header that names the columns; they are found by name, and others are left
- * alone.
+ * A header names the columns; they are found by name, and others are left alone. Every laboratory has its own
+ * script that writes these files, after HTC's example: fields are separated by `;`, commas or tabs, in the
+ * header also by runs of spaces over rows with tabs; with helmet_* columns or without. Real rows were at hand
+ * of the first kind; the others are made from what is known of them.
  *
  * Time. time_stamp(ms) is the tracker's own clock, a signed 32-bit count that starts anywhere and wraps; its
  * steps are the 8 or 9 ms of a 120 Hz camera. It becomes device_ns, unwrapped. time(100ns) is the host's
@@ -13,7 +15,8 @@
  * things in real recordings confirm it: the left eye's origin has x = +38 mm and the right eye's -32 mm; and
  * while the head turns and the eye holds its target (vestibulo-ocular reflex), the eye must turn against the
  * head: with x read as left, eye and head yaw velocity have slope -0.8, with x read as right +0.8, and the
- * world gaze moves 3 times as much. Half a turn about Y takes this frame to ours: (-x, y, -z).
+ * world gaze moves 3 times as much. Half a turn about Y takes this frame to ours: (-x, y, -z). Some scripts
+ * turn the gaze to Unity's frame before they write it: that is what the frame option is for (RUF).
  *
  * Validity is a mask for each eye: bit 0 origin, 1 direction, 2 pupil, 3 openness, 4 place in the camera's
  * picture; 31 is all. A lost direction is (0,0,0), a lost pupil -1, a lost origin the last one.
@@ -22,7 +25,7 @@
  * wrap at 360 and are applied about Z, then X, then Y. Mirroring Z takes it to ours: the position's z and the
  * angles about X and Y change sign, the angle about Z does not.
  */
-#include "log/sranipal.h"
+#include "log/formats.h"
 
 #include <cglm/cglm.h>
 #include <math.h>
@@ -59,46 +62,62 @@ enum { HAS_ORIGIN = 1, HAS_DIRECTION = 2, HAS_PUPIL = 4, HAS_OPENNESS = 8 };
 
 /* One file as it is read. */
 struct reader {
-    struct trk_lines *lines;
-    size_t header_count;   /* columns of the header */
-    size_t place[COLUMNS]; /* where each of ours is among them */
-    char *fields[TRK_MAX_FIELDS];
-    bool started;
+    struct trk_reading *reading;
+    struct trk_table table;
+    struct trk_frame frame;
+    int place[COLUMNS]; /* where each of ours is; -1 for a head that is not there */
+    bool started, separated;
     int64_t first_tick, first_frame;
     uint32_t last_stamp;
     uint64_t device_ms, sequence;
 };
 
-static bool detect(const char *first_line)
-{
-    return strncmp(first_line, names[TICKS], strlen(names[TICKS])) == 0 && strchr(first_line, ';') &&
-           strstr(first_line, "gaze_direct_");
-}
-
 static bool read_header(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 {
-    struct trk_lines *lines = reader->lines;
-    reader->header_count = trk_split(lines->text, ';', reader->fields);
-    if (reader->header_count > TRK_MAX_FIELDS)
-        return trk_lines_fail(lines, out_error, "header has %zu columns, expected at most %d",
-                              reader->header_count, TRK_MAX_FIELDS);
-    for (int i = 0; i < COLUMNS; i++) {
-        size_t k = 0;
-        while (k < reader->header_count && strcmp(reader->fields[k], names[i]) != 0) k++;
-        if (k == reader->header_count)
-            return trk_lines_fail(lines, out_error, "header lacks a column, expected '%s'", names[i]);
-        reader->place[i] = k;
+    const struct trk_header *header = &reader->reading->header;
+    trk_table_init(&reader->table, reader->reading);
+    if (!trk_table_need(&reader->table, names, HELMET_POSITION, reader->place, out_error)) return false;
+    for (int i = HELMET_POSITION; i < COLUMNS; i++) reader->place[i] = -1;
+    if (trk_header_find(header, names[HELMET_ROTATION]) < 0) {
+        trk_assume(reader->reading, "no head pose: gaze is that in the head");
+        return true;
     }
-    return true;
+    if (!trk_table_need(&reader->table, &names[HELMET_ROTATION], 3, &reader->place[HELMET_ROTATION],
+                        out_error))
+        return false;
+    if (trk_header_find(header, names[HELMET_POSITION]) < 0) return true;
+    return trk_table_need(&reader->table, &names[HELMET_POSITION], 3, &reader->place[HELMET_POSITION],
+                          out_error);
+}
+
+/* Rows may be separated by something else than the header: what the first of them holds says it. */
+static enum trk_line next_row(struct reader *reader, char out_error[TRK_ERROR_SIZE])
+{
+    static const char others[] = {'\t', ';', ','};
+    struct trk_table *table = &reader->table;
+    struct trk_lines *lines = &reader->reading->lines;
+    if (!reader->separated) {
+        enum trk_line line;
+        do {
+            line = trk_lines_next(lines, out_error);
+        } while (line == TRK_LINE && lines->text[0] == '\0');
+        if (line != TRK_LINE) return line;
+        reader->separated = true;
+        if (table->separator == TRK_BLANKS || !strchr(lines->text, table->separator))
+            for (size_t i = sizeof others; i-- > 0;)
+                if (strchr(lines->text, others[i])) table->separator = others[i];
+        return trk_table_split(table, out_error);
+    }
+    return trk_table_next(table, out_error);
 }
 
 static bool read_integer(struct reader *reader, int column, int64_t *out_value,
                          char out_error[TRK_ERROR_SIZE])
 {
-    const char *field = reader->fields[reader->place[column]];
+    const char *field = reader->table.fields[reader->place[column]];
     if (trk_parse_int64(field, out_value)) return true;
-    return trk_lines_fail(reader->lines, out_error, "%s is '%.40s', expected a whole number", names[column],
-                          field);
+    return trk_lines_fail(&reader->reading->lines, out_error, "%s is '%.40s', expected a whole number",
+                          names[column], field);
 }
 
 /* n numbers in columns that follow each other in our order. When they are not valid, whatever text is there
@@ -107,10 +126,10 @@ static bool read_floats(struct reader *reader, int column, int n, bool valid, fl
                         char out_error[TRK_ERROR_SIZE])
 {
     for (int i = 0; i < n && valid; i++) {
-        const char *field = reader->fields[reader->place[column + i]];
+        const char *field = reader->table.fields[reader->place[column + i]];
         if (!trk_parse_float(field, &out_values[i]) || !isfinite(out_values[i]))
-            return trk_lines_fail(reader->lines, out_error, "%s is '%.40s', expected a finite number",
-                                  names[column + i], field);
+            return trk_lines_fail(&reader->reading->lines, out_error,
+                                  "%s is '%.40s', expected a finite number", names[column + i], field);
     }
     return true;
 }
@@ -123,8 +142,9 @@ static bool read_time(struct reader *reader, struct trk_sample *out_sample, char
         !read_integer(reader, FRAME, &frame, out_error))
         return false;
     if (stamp < INT32_MIN || stamp > UINT32_MAX || frame < INT32_MIN || frame > UINT32_MAX)
-        return trk_lines_fail(reader->lines, out_error, "%s is %lld and %s is %lld, expected 32-bit counts",
-                              names[STAMP], (long long)stamp, names[FRAME], (long long)frame);
+        return trk_lines_fail(&reader->reading->lines, out_error,
+                              "%s is %lld and %s is %lld, expected 32-bit counts", names[STAMP],
+                              (long long)stamp, names[FRAME], (long long)frame);
     if (!reader->started) {
         reader->started = true;
         reader->first_tick = tick;
@@ -134,12 +154,13 @@ static bool read_time(struct reader *reader, struct trk_sample *out_sample, char
     /* Modulo 2^32: a step of more than half the range is one back. */
     uint32_t step = (uint32_t)stamp - reader->last_stamp;
     if (step > INT32_MAX)
-        return trk_lines_fail(reader->lines, out_error, "%s goes back by %u ms, expected it never to",
-                              names[STAMP], -step);
+        return trk_lines_fail(&reader->reading->lines, out_error,
+                              "%s goes back by %u ms, expected it never to", names[STAMP], -step);
     int64_t ticks;
     if (__builtin_sub_overflow(tick, reader->first_tick, &ticks) || ticks < 0 || ticks > INT64_MAX / 100)
-        return trk_lines_fail(reader->lines, out_error, "%s is %lld, expected %lld or a little later",
-                              names[TICKS], (long long)tick, (long long)reader->first_tick);
+        return trk_lines_fail(&reader->reading->lines, out_error,
+                              "%s is %lld, expected %lld or a little later", names[TICKS], (long long)tick,
+                              (long long)reader->first_tick);
     reader->last_stamp = (uint32_t)stamp;
     reader->device_ms += step;
     /* A skipped frame is a lost sample; a frame fetched twice or a counter that starts anew is not. */
@@ -152,115 +173,64 @@ static bool read_time(struct reader *reader, struct trk_sample *out_sample, char
     return true;
 }
 
-static void turn_mm_to_m(float v[3])
-{
-    v[0] *= -1e-3f;
-    v[1] *= 1e-3f;
-    v[2] *= -1e-3f;
-}
-
 static bool read_eye(struct reader *reader, int index, struct trk_sample *sample,
                      char out_error[TRK_ERROR_SIZE])
 {
-    int column = EYES + 9 * index, shift = 4 * index;
-    struct trk_eye *eye = &sample->eye[index];
+    int column = EYES + 9 * index;
+    float direction[3], origin[3], openness, pupil;
     int64_t mask;
     if (!read_integer(reader, column + EYE_VALID, &mask, out_error)) return false;
-    if (!read_floats(reader, column + EYE_DIRECTION, 3, mask & HAS_DIRECTION, eye->direction, out_error) ||
-        !read_floats(reader, column + EYE_ORIGIN, 3, mask & HAS_ORIGIN, eye->origin, out_error) ||
-        !read_floats(reader, column + EYE_OPENNESS, 1, mask & HAS_OPENNESS, &eye->openness, out_error) ||
-        !read_floats(reader, column + EYE_PUPIL, 1, mask & HAS_PUPIL, &eye->pupil_mm, out_error))
+    if (!read_floats(reader, column + EYE_DIRECTION, 3, mask & HAS_DIRECTION, direction, out_error) ||
+        !read_floats(reader, column + EYE_ORIGIN, 3, mask & HAS_ORIGIN, origin, out_error) ||
+        !read_floats(reader, column + EYE_OPENNESS, 1, mask & HAS_OPENNESS, &openness, out_error) ||
+        !read_floats(reader, column + EYE_PUPIL, 1, mask & HAS_PUPIL, &pupil, out_error))
         return false;
-    if (glm_vec3_eq(eye->direction, 0)) mask &= ~HAS_DIRECTION;
-    if (mask & HAS_DIRECTION) {
-        if (!trk_is_unit(eye->direction, 3))
-            return trk_lines_fail(reader->lines, out_error,
+    if (mask & HAS_DIRECTION && !glm_vec3_eq(direction, 0)) {
+        if (!trk_is_unit(direction, 3))
+            return trk_lines_fail(&reader->reading->lines, out_error,
                                   "%s and the next two are not of unit length, expected that",
                                   names[column + EYE_DIRECTION]);
-        eye->direction[0] *= -1;
-        eye->direction[2] *= -1;
-        glm_vec3_normalize(eye->direction);
-        sample->valid |= TRK_LEFT_DIRECTION << shift;
+        trk_set_direction(sample, index, direction, &reader->frame);
     }
-    if (mask & HAS_ORIGIN) {
-        turn_mm_to_m(eye->origin);
-        sample->valid |= TRK_LEFT_ORIGIN << shift;
-    }
-    if (mask & HAS_OPENNESS) sample->valid |= TRK_LEFT_OPENNESS << shift;
-    if (mask & HAS_PUPIL) sample->valid |= TRK_LEFT_PUPIL << shift;
+    if (mask & HAS_ORIGIN) trk_set_origin(sample, index, origin, 1e-3f, &reader->frame);
+    if (mask & HAS_OPENNESS) trk_set_openness(sample, index, openness);
+    if (mask & HAS_PUPIL) trk_set_pupil(sample, index, pupil);
     return true;
-}
-
-/* The combined gaze: the mean of the eyes that are valid; one is enough. */
-static void combine(struct trk_sample *sample)
-{
-    int origins = 0;
-    for (int i = 0; i < 2; i++) {
-        if (sample->valid & TRK_LEFT_DIRECTION << 4 * i)
-            glm_vec3_add(sample->direction, sample->eye[i].direction, sample->direction);
-        if (sample->valid & TRK_LEFT_ORIGIN << 4 * i) {
-            glm_vec3_add(sample->origin, sample->eye[i].origin, sample->origin);
-            origins++;
-        }
-    }
-    /* Two eyes that look apart by half a turn have no mean. */
-    if (glm_vec3_norm(sample->direction) > 1e-3f) {
-        glm_vec3_normalize(sample->direction);
-        sample->valid |= TRK_DIRECTION;
-    } else {
-        glm_vec3_zero(sample->direction);
-    }
-    if (origins > 0) {
-        glm_vec3_scale(sample->origin, 1.f / origins, sample->origin);
-        sample->valid |= TRK_ORIGIN;
-    }
 }
 
 static bool read_head(struct reader *reader, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
 {
-    float angles[3];
-    if (!read_floats(reader, HELMET_POSITION, 3, true, sample->head, out_error) ||
+    float position[3] = {0}, angles[3], rotation[4];
+    if (reader->place[HELMET_ROTATION] < 0) return true;
+    if (!read_floats(reader, HELMET_POSITION, 3, reader->place[HELMET_POSITION] >= 0, position, out_error) ||
         !read_floats(reader, HELMET_ROTATION, 3, true, angles, out_error))
         return false;
-    sample->head[2] *= -1;
-    versor x, y, z, q;
-    glm_quatv(x, -glm_rad(angles[0]), GLM_XUP);
-    glm_quatv(y, -glm_rad(angles[1]), GLM_YUP);
-    glm_quatv(z, glm_rad(angles[2]), GLM_ZUP);
-    glm_quat_mul(y, x, q);
-    glm_quat_mul(q, z, q);
-    glm_quat_normalize(q);
-    memcpy(&sample->head[3], q, sizeof q);
-    sample->valid |= TRK_HEAD;
+    trk_unity_euler(angles, rotation);
+    trk_set_unity_head(sample, position, rotation);
     return true;
 }
 
-static bool read_sranipal(struct trk_lines *lines, struct trk_log *out_log, char out_error[TRK_ERROR_SIZE])
+static bool read_sranipal(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
 {
-    struct reader reader = {.lines = lines};
-    size_t capacity = 0;
+    struct reader reader = {.reading = reading, .frame = trk_reading_frame(reading, "LUF")};
     if (!read_header(&reader, out_error)) return false;
     for (;;) {
-        enum trk_line line = trk_lines_next(lines, out_error);
+        enum trk_line line = next_row(&reader, out_error);
         if (line == TRK_LINE_END) return true;
         if (line == TRK_LINE_FAILED) return false;
-        if (lines->text[0] == '\0') continue; /* these logs end with an empty line */
-        size_t count = trk_split(lines->text, ';', reader.fields);
-        if (count != reader.header_count)
-            return trk_lines_fail(lines, out_error, "%zu columns, expected %zu as in the header", count,
-                                  reader.header_count);
         struct trk_sample sample = {0};
         if (!read_time(&reader, &sample, out_error) || !read_eye(&reader, 0, &sample, out_error) ||
             !read_eye(&reader, 1, &sample, out_error) || !read_head(&reader, &sample, out_error))
             return false;
-        combine(&sample);
-        if (!trk_log_append(out_log, &capacity, &sample, lines, out_error)) return false;
+        trk_combine(&sample);
+        if (!trk_log_append(reading, &sample, out_error)) return false;
     }
 }
 
 const struct trk_log_format trk_log_sranipal = {
+    .id = "sranipal",
     .name = "HTC SRanipal",
-    .expects = "HTC SRanipal's columns (time(100ns);time_stamp(ms);...)",
-    .detect = detect,
+    .takes = TRK_TAKES_FRAME,
+    .columns = {"time(100ns)", "gaze_direct_L.x"},
     .read = read_sranipal,
 };

@@ -1,0 +1,256 @@
+/* BIDS eye tracking (BEP020): NAME.tsv.gz, a table without header, and NAME.json, which says what is in it.
+ *
+ * The sidecar's Columns names the columns: timestamp, x_coordinate, y_coordinate, perhaps pupil_size, and
+ * others, which are left alone. An object of a column's name has its Units. SampleCoordinateSystem is
+ * gaze-on-screen (pixels from the top left corner, y down; or degrees), eye-in-head or gaze-in-world (degrees
+ * or radians, right and up, up after right). RecordedEye is left, right or cyclopean; an eye has a file of
+ * its own. SamplingFrequency is in Hz. Missing is n/a. ScreenResolution (px), ScreenSize and ScreenDistance
+ * (m) may stand in the sidecar or in its StimulusPresentation. Which way degrees count BIDS does not say:
+ * right and up is taken, and said; what this project writes (bids_write.c) says so itself. No real file was
+ * at hand; rows of the tests are made. */
+#include "log/formats.h"
+
+#include "error.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+enum { TIME, X, Y, PUPIL, COLUMNS };
+static const char *const names[COLUMNS] = {"timestamp", "x_coordinate", "y_coordinate", "pupil_size"};
+
+enum { MAX_SIDECAR = 1 << 20 }; /* bytes */
+
+enum place { ON_SCREEN_PX, ON_SCREEN_DEG, IN_ANGLES };
+
+struct reader {
+    struct trk_reading *reading;
+    struct trk_table table;
+    struct trk_plane plane;
+    struct trk_clock clock;
+    enum place place_kind;
+    double signs[2], degrees; /* of a unit of x and y */
+    double unit_ns;
+    bool pupil_in_mm;
+    int eye; /* 0 left, 1 right, 2 both */
+    int place[COLUMNS];
+    uint64_t sequence;
+};
+
+/* --- the sidecar ---------------------------------------------------------------------------------------- */
+
+static json_t *load_sidecar(const struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
+{
+    const char *path = reading->lines.path;
+    size_t length = strlen(path);
+    length -= length > 7 && strcmp(path + length - 7, ".tsv.gz") == 0 ? 7
+              : length > 4 && strcmp(path + length - 4, ".tsv") == 0  ? 4
+                                                                      : 0;
+    char *sidecar = NULL;
+    if (asprintf(&sidecar, "%.*s.json", (int)length, path) < 0) {
+        trk_fail(out_error, "%s: no memory", path);
+        return NULL;
+    }
+    struct stat status;
+    json_error_t error;
+    json_t *root = NULL;
+    if (stat(sidecar, &status) != 0 || !S_ISREG(status.st_mode) || status.st_size > MAX_SIDECAR) {
+        trk_fail(out_error,
+                 "%s: a table without header, expected a BIDS sidecar %s (of up to 1 MiB) beside it", path,
+                 sidecar);
+    } else if (!(root = json_load_file(sidecar, 0, &error)) || !json_is_object(root)) {
+        trk_fail(out_error, "%s:%d: %.100s, expected a JSON object", sidecar, root ? 1 : error.line,
+                 root ? "no object" : error.text);
+        json_decref(root);
+        root = NULL;
+    }
+    free(sidecar);
+    return root;
+}
+
+static const char *text_of(const json_t *object, const char *key)
+{
+    const char *text = json_string_value(json_object_get(object, key));
+    return text ? text : "";
+}
+
+/* A key of the sidecar, or of its StimulusPresentation. */
+static const json_t *screen_key(const json_t *root, const char *key)
+{
+    const json_t *value = json_object_get(root, key);
+    return value ? value : json_object_get(json_object_get(root, "StimulusPresentation"), key);
+}
+
+/* The columns that Columns names become the header of the rows. */
+static bool read_columns(struct reader *reader, const json_t *root, char out_error[TRK_ERROR_SIZE])
+{
+    struct trk_reading *reading = reader->reading;
+    const json_t *columns = json_object_get(root, "Columns");
+    char header[TRK_LINE_SIZE] = "";
+    size_t used = 0;
+    for (size_t i = 0; i < json_array_size(columns); i++) {
+        const char *name = json_string_value(json_array_get(columns, i));
+        if (!name || !*name || strpbrk(name, "\t\r\n") || used + strlen(name) + 2 > sizeof header)
+            return trk_lines_fail(&reading->lines, out_error,
+                                  "the sidecar's Columns holds no name as entry %zu, "
+                                  "expected short texts",
+                                  i + 1);
+        used += (size_t)sprintf(header + used, "%s%s", used ? "\t" : "", name);
+    }
+    trk_header_parse(&reading->header, header);
+    trk_table_init(&reader->table, reading);
+    reader->place[PUPIL] = trk_header_find(&reading->header, names[PUPIL]);
+    if (!trk_table_need(&reader->table, names, PUPIL, reader->place, out_error)) return false;
+    reader->pupil_in_mm = strcasecmp(text_of(json_object_get(root, names[PUPIL]), "Units"), "mm") == 0;
+    return true;
+}
+
+static bool read_time_unit(struct reader *reader, const json_t *root, char out_error[TRK_ERROR_SIZE])
+{
+    static const struct {
+        const char *name;
+        double ns;
+    } units[] = {{"s", 1e9},  {"sec", 1e9}, {"second", 1e9}, {"seconds", 1e9},
+                 {"ms", 1e6}, {"us", 1e3},  {"ns", 1},       {"milliseconds", 1e6}};
+    const char *unit = text_of(json_object_get(root, names[TIME]), "Units");
+    reader->unit_ns = trk_time_unit(reader->reading, 0);
+    for (size_t i = 0; i < sizeof units / sizeof *units && reader->unit_ns == 0; i++)
+        if (strcasecmp(unit, units[i].name) == 0) reader->unit_ns = units[i].ns;
+    if (reader->unit_ns > 0) return true;
+    /* The first row is in hand already, and is read again by the guess. */
+    reader->unit_ns = trk_table_guess_unit(&reader->table, reader->place[TIME], out_error);
+    return reader->unit_ns > 0;
+}
+
+static bool init_screen(struct reader *reader, const json_t *root, char out_error[TRK_ERROR_SIZE])
+{
+    struct trk_reading *reading = reader->reading;
+    const json_t *pixels = screen_key(root, "ScreenResolution"), *size = screen_key(root, "ScreenSize");
+    double width = json_number_value(json_array_get(pixels, 0)),
+           height = json_number_value(json_array_get(pixels, 1));
+    double across = json_number_value(json_array_get(size, 0)),
+           up = json_number_value(json_array_get(size, 1));
+    double distance = json_number_value(screen_key(root, "ScreenDistance")), fov_deg = TRK_SCREEN_FOV_DEG;
+    const char *what = "screen";
+    if (!(width >= 1 && width < 1e6 && height >= 1 && height < 1e6)) {
+        width = 1920;
+        height = 1080;
+        trk_assume(reading, "screen of 1920 x 1080 px");
+    }
+    double aspect = width / height;
+    if (across > 0.01 && across < 100 && up > 0.01 && up < 100) aspect = across / up;
+    if (across > 0.01 && across < 100 && distance > 0.01 && distance < 100) {
+        fov_deg = 2 * atan(across / 2 / distance) * 180 / M_PI;
+        what = "by the sidecar the screen is";
+    }
+    return trk_plane_init(&reader->plane, reading, width, height, aspect, fov_deg, what, out_error);
+}
+
+/* What x and y are. */
+static bool read_place(struct reader *reader, const json_t *root, char out_error[TRK_ERROR_SIZE])
+{
+    struct trk_reading *reading = reader->reading;
+    const char *system = text_of(root, "SampleCoordinateSystem"), *eye = text_of(root, "RecordedEye");
+    const char *unit = text_of(json_object_get(root, names[X]), "Units");
+    bool on_screen = strcmp(system, "gaze-on-screen") == 0, is_deg = strncasecmp(unit, "deg", 3) == 0;
+    if (!*unit) unit = text_of(root, "SampleCoordinateUnits");
+    reader->eye = strcmp(eye, "left") == 0 ? 0 : strcmp(eye, "right") == 0 ? 1 : 2;
+    if (!on_screen && strcmp(system, "eye-in-head") != 0 && strcmp(system, "gaze-in-world") != 0)
+        return trk_lines_fail(
+            &reading->lines, out_error,
+            "the sidecar's SampleCoordinateSystem is '%.30s', expected gaze-on-screen, eye-in-head or "
+            "gaze-in-world",
+            system);
+    if (on_screen && (strncasecmp(unit, "pixel", 5) == 0 || strcasecmp(unit, "px") == 0)) {
+        reader->place_kind = ON_SCREEN_PX;
+        return init_screen(reader, root, out_error);
+    }
+    if (!is_deg && (on_screen || strncasecmp(unit, "rad", 3) != 0))
+        return trk_lines_fail(&reading->lines, out_error, "x_coordinate's Units are '%.20s', expected %s",
+                              unit, on_screen ? "pixel or deg" : "deg or rad");
+    reader->place_kind = on_screen ? ON_SCREEN_DEG : IN_ANGLES;
+    reader->degrees = is_deg ? 1 : 180 / M_PI;
+    if (!strstr(text_of(json_object_get(root, names[Y]), "Description"), "up"))
+        trk_assume(reading, "x and y count to the right and up");
+    return trk_reading_signs(reading, "RUF", reader->signs, out_error);
+}
+
+/* --- the rows ------------------------------------------------------------------------------------------- */
+
+static void set_gaze(struct reader *reader, double x, double y, struct trk_sample *sample)
+{
+    static const struct trk_frame ours = {{0, 1, 2}, {1, 1, 1}};
+    float direction[3];
+    if (reader->place_kind == ON_SCREEN_PX) {
+        if (!isfinite(x) || !isfinite(y)) return;
+        trk_plane_direction(&reader->plane, x, y, direction);
+    } else {
+        bool apart = reader->place_kind == ON_SCREEN_DEG;
+        x *= reader->signs[0] * reader->degrees;
+        y *= reader->signs[1] * reader->degrees;
+        if (!(fabs(x) < (apart ? 89 : 361) && fabs(y) < (apart ? 89 : 90.01))) return;
+        if (apart)
+            memcpy(direction, (float[]){(float)tan(x * M_PI / 180), (float)tan(y * M_PI / 180), -1},
+                   sizeof direction);
+        else
+            trk_angles_direction(x, y, direction);
+    }
+    if (reader->eye < 2) trk_set_direction(sample, reader->eye, direction, &ours);
+    trk_set_direction(sample, 2, direction, &ours);
+}
+
+static bool read_row(struct reader *reader, char out_error[TRK_ERROR_SIZE])
+{
+    struct trk_sample sample = {.sequence = ++reader->sequence};
+    const struct trk_lines *lines = &reader->reading->lines;
+    double x, y, pupil;
+    int64_t time_ns;
+    if (!trk_table_time(&reader->table, reader->place[TIME], reader->unit_ns, &time_ns, out_error) ||
+        !trk_clock_count(&reader->clock, time_ns, lines, &sample.device_ns, out_error) ||
+        !trk_table_number(&reader->table, reader->place[X], &x, out_error) ||
+        !trk_table_number(&reader->table, reader->place[Y], &y, out_error) ||
+        !trk_table_number(&reader->table, reader->place[PUPIL], &pupil, out_error))
+        return false;
+    sample.arrival_ns = sample.device_ns;
+    set_gaze(reader, x, y, &sample);
+    if (reader->eye < 2 && reader->pupil_in_mm) trk_set_pupil(&sample, reader->eye, pupil);
+    return trk_log_append(reader->reading, &sample, out_error);
+}
+
+static bool read_bids(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
+{
+    struct reader reader = {.reading = reading};
+    json_t *root = load_sidecar(reading, out_error);
+    if (!root) return false;
+    bool ok = read_columns(&reader, root, out_error) && read_time_unit(&reader, root, out_error) &&
+              read_place(&reader, root, out_error);
+    json_decref(root);
+    if (!ok) return false;
+    enum trk_line line = trk_table_split(&reader.table, out_error);
+    for (; line == TRK_LINE; line = trk_table_next(&reader.table, out_error))
+        if (!read_row(&reader, out_error)) return false;
+    if (reader.clock.held) trk_assume(reading, "%zu times that go back were held", reader.clock.held);
+    return line == TRK_LINE_END;
+}
+
+/* Tabs between numbers, from the first line on. */
+static bool detect(const struct trk_reading *reading)
+{
+    const struct trk_header *header = &reading->header;
+    if (header->separator != '\t' || header->count < 3 || header->count > TRK_MAX_FIELDS) return false;
+    for (size_t i = 0; i < header->count; i++) {
+        double value;
+        if (strcmp(header->names[i], "n/a") != 0 && !trk_parse_double(header->names[i], &value)) return false;
+    }
+    return true;
+}
+
+const struct trk_log_format trk_log_bids = {
+    .id = "bids",
+    .name = "BIDS eye tracking",
+    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME | TRK_TAKES_SCREEN,
+    .detect = detect,
+    .read = read_bids,
+};

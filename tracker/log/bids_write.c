@@ -1,0 +1,109 @@
+/* Writing BIDS eye tracking: NAME.tsv.gz without header, and its sidecar NAME.json.
+ *
+ * One file holds one gaze: here the combined one, "cyclopean". With a head pose it is gaze-in-world, else
+ * eye-in-head; x_coordinate and y_coordinate are degrees to the right of and above straight ahead (up after
+ * right), n/a where the gaze was lost; timestamp is in seconds of the tracker's clock; pupil_size, where
+ * there is any, is the mean of the eyes' diameters in mm. Head pose, origins and the eyes apart are not kept:
+ * the project's own format does that. */
+#include "log/formats.h"
+
+#include "error.h"
+
+#include <errno.h>
+#include <jansson.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static double pupil_mm(const struct trk_sample *sample)
+{
+    double sum = 0;
+    int count = 0;
+    for (int eye = 0; eye < 2; eye++)
+        if (sample->valid & TRK_LEFT_PUPIL << 4 * eye) {
+            sum += (double)sample->eye[eye].pupil_mm;
+            count++;
+        }
+    return count ? sum / count : NAN;
+}
+
+static bool write_rows(const char *path, const struct trk_log *log, bool with_pupil)
+{
+    gzFile file = gzopen(path, "wb");
+    bool ok = file != NULL;
+    for (size_t i = 0; i < log->count && ok; i++) {
+        const struct trk_sample *sample = &log->samples[i];
+        float d[3];
+        ok = gzprintf(file, "%llu.%09llu", (unsigned long long)(sample->device_ns / 1000000000),
+                      (unsigned long long)(sample->device_ns % 1000000000)) > 0;
+        if (trk_world_direction(sample, d))
+            ok &= gzprintf(file, "\t%.5f\t%.5f", atan2((double)d[0], (double)-d[2]) * 180 / M_PI,
+                           asin(fmin(fmax((double)d[1], -1), 1)) * 180 / M_PI) > 0;
+        else
+            ok &= gzputs(file, "\tn/a\tn/a") > 0;
+        double pupil = pupil_mm(sample);
+        if (with_pupil) ok &= (isnan(pupil) ? gzputs(file, "\tn/a") : gzprintf(file, "\t%.4f", pupil)) > 0;
+        ok &= gzputc(file, '\n') == '\n';
+    }
+    return file && gzclose(file) == Z_OK && ok;
+}
+
+static double rate_hz(const struct trk_log *log)
+{
+    uint64_t span_ns = log->samples[log->count - 1].device_ns - log->samples[0].device_ns;
+    return span_ns ? round((double)(log->count - 1) * 1e12 / (double)span_ns) / 1e3 : 0;
+}
+
+static bool write_sidecar(const char *path, const struct trk_log *log, bool with_pupil)
+{
+    bool in_world = log->samples[0].valid & TRK_HEAD;
+    json_t *root =
+        json_pack("{s:s, s:s, s:s, s:f, s:f, s:s, s:[s,s,s], s:{s:s, s:s}, s:{s:s, s:s}, s:{s:s, s:s}}",
+                  "PhysioType", "eyetrack", "RecordedEye", "cyclopean", "SampleCoordinateSystem",
+                  in_world ? "gaze-in-world" : "eye-in-head", "SamplingFrequency", rate_hz(log), "StartTime",
+                  (double)log->samples[0].device_ns / 1e9, "Description",
+                  "Converted by fovead from a log of its own or another format.", "Columns", "timestamp",
+                  "x_coordinate", "y_coordinate", "timestamp", "Description",
+                  "time of the sample on the tracker's clock", "Units", "s", "x_coordinate", "Description",
+                  "gaze to the right of straight ahead (azimuth)", "Units", "deg", "y_coordinate",
+                  "Description", "gaze up from the horizon (elevation)", "Units", "deg");
+    if (!root) return false;
+    if (with_pupil) {
+        json_array_append_new(json_object_get(root, "Columns"), json_string("pupil_size"));
+        json_object_set_new(
+            root, "pupil_size",
+            json_pack("{s:s, s:s}", "Description", "pupil diameter, mean of the eyes", "Units", "mm"));
+    }
+    bool ok = json_dump_file(root, path, JSON_INDENT(2)) == 0;
+    json_decref(root);
+    return ok;
+}
+
+bool trk_bids_write(const char *path, const struct trk_log *log, char out_error[TRK_ERROR_SIZE])
+{
+    char *sidecar = NULL, *part = NULL, *sidecar_part = NULL;
+    bool with_pupil = false, ok = false;
+    if (log->count == 0) return trk_fail(out_error, "%s: no samples to write, expected at least one", path);
+    for (size_t i = 0; i < log->count && !with_pupil; i++) with_pupil = !isnan(pupil_mm(&log->samples[i]));
+    if (asprintf(&sidecar, "%.*s.json", (int)(strlen(path) - strlen(".tsv.gz")), path) < 0) sidecar = NULL;
+    if (asprintf(&part, "%s.%ld.part", path, (long)getpid()) < 0) part = NULL;
+    if (sidecar && asprintf(&sidecar_part, "%s.%ld.part", sidecar, (long)getpid()) < 0) sidecar_part = NULL;
+    if (!sidecar || !part || !sidecar_part) {
+        trk_fail(out_error, "%s: no memory", path);
+        goto done;
+    }
+    errno = 0;
+    ok = write_sidecar(sidecar_part, log, with_pupil) && write_rows(part, log, with_pupil) &&
+         rename(sidecar_part, sidecar) == 0 && rename(part, path) == 0;
+    if (!ok) {
+        trk_fail(out_error, "%s: cannot write: %s", path, errno ? strerror(errno) : "no memory");
+        unlink(part);
+        unlink(sidecar_part);
+    }
+done:
+    free(sidecar);
+    free(part);
+    free(sidecar_part);
+    return ok;
+}

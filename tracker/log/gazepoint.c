@@ -1,0 +1,240 @@
+/* Logs of Gazepoint trackers: the CSV export, and records of the Open Gaze API as they came over the socket.
+ *
+ *   MEDIA_ID,MEDIA_NAME,CNT,TIME(2020/01/31
+ * 10:00:00.000),TIMETICK(f=10000000),FPOGX,...,BPOGX,BPOGY,BPOGV,... <REC CNT="34" TIME="0.5" TIME_TICK="463"
+ * BPOGX="0.5" BPOGY="0.5" BPOGV="1" ... />
+ *
+ * Points of gaze are shares of the screen from its top left corner, x to the right and y down (the API's
+ * manual; no recording was at hand that could show it, and the rows of the tests are made), and may leave
+ * 0..1. BPOG is both eyes', LPOG and RPOG each one's; V says valid, and a lost sample repeats the last point
+ * with V 0. FPOG holds still during saccades and is taken only where there is nothing else. LPMM and RPMM are
+ * pupils in mm. BKID is not 0 in a blink. TIME, in seconds, is the tracker's clock; TIME_TICK, in ticks of f
+ * a second, the host's. CNT counts samples: a gap is a lost one. */
+#include "log/formats.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+/* clang-format off */
+enum { CNT, TIME, TICK, BPOG, LPOG = BPOG + 3, RPOG = LPOG + 3, FPOG = RPOG + 3, LPMM = FPOG + 3, RPMM = LPMM + 2,
+       BKID = RPMM + 2, VALUES };
+static const char *const names[VALUES] = {
+    "CNT", "TIME", "TIME_TICK",
+    "BPOGX", "BPOGY", "BPOGV", "LPOGX", "LPOGY", "LPOGV", "RPOGX", "RPOGY", "RPOGV", "FPOGX", "FPOGY", "FPOGV",
+    "LPMM", "LPMMV", "RPMM", "RPMMV", "BKID",
+};
+/* clang-format on */
+
+#define DEFAULT_TICK_HZ 1e7
+
+struct reader {
+    struct trk_reading *reading;
+    struct trk_plane plane;
+    struct trk_clock device, host;
+    const char *fields[VALUES]; /* of one record; NULL where it has none */
+    double tick_hz;
+    bool has_count, is_fixation; /* FPOG had to be taken */
+    int64_t first_count;
+    uint64_t sequence;
+};
+
+static bool number(struct reader *reader, int i, double *out_value, char out_error[TRK_ERROR_SIZE])
+{
+    *out_value = NAN;
+    const char *field = reader->fields[i];
+    if (!field || !*field || strcasecmp(field, "nan") == 0) return true;
+    if (trk_parse_double(field, out_value) && isfinite(*out_value)) return true;
+    return trk_lines_fail(&reader->reading->lines, out_error, "%s is '%.40s', expected a finite number",
+                          names[i], field);
+}
+
+static bool read_times(struct reader *reader, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
+{
+    const struct trk_lines *lines = &reader->reading->lines;
+    const char *time = reader->fields[TIME], *tick = reader->fields[TICK], *count = reader->fields[CNT];
+    int64_t time_ns, tick_ns, counted;
+    if (!time || !trk_parse_time(time, trk_time_unit(reader->reading, 1e9), &time_ns))
+        return trk_lines_fail(lines, out_error, "TIME is '%.40s', expected seconds", time ? time : "");
+    if (!trk_clock_count(&reader->device, time_ns, lines, &sample->device_ns, out_error)) return false;
+    sample->arrival_ns = sample->device_ns;
+    if (tick && !trk_parse_time(tick, 1e9 / reader->tick_hz, &tick_ns))
+        return trk_lines_fail(lines, out_error, "TIME_TICK is '%.40s', expected ticks", tick);
+    if (tick && !trk_clock_count(&reader->host, tick_ns, lines, &sample->arrival_ns, out_error)) return false;
+    sample->sequence = reader->sequence + 1;
+    if (count && trk_parse_int64(count, &counted) && llabs(counted) < INT64_MAX / 4) {
+        if (!reader->has_count) reader->first_count = counted;
+        reader->has_count = true;
+        if (counted - reader->first_count > (int64_t)reader->sequence)
+            sample->sequence = (uint64_t)(counted - reader->first_count) + 1;
+    }
+    reader->sequence = sample->sequence;
+    return true;
+}
+
+/* Whether a point is there and says it is valid. */
+static bool point(struct reader *reader, int i, float out_direction[3], bool *out_valid,
+                  char out_error[TRK_ERROR_SIZE])
+{
+    double x, y, valid;
+    if (!number(reader, i, &x, out_error) || !number(reader, i + 1, &y, out_error) ||
+        !number(reader, i + 2, &valid, out_error))
+        return false;
+    *out_valid = valid == 1 && isfinite(x) && isfinite(y);
+    if (*out_valid) trk_plane_direction(&reader->plane, x, y, out_direction);
+    return true;
+}
+
+static bool read_record(struct reader *reader, char out_error[TRK_ERROR_SIZE])
+{
+    struct trk_sample sample = {0};
+    bool valid;
+    double blink;
+    int both = reader->fields[BPOG] ? BPOG : FPOG;
+    reader->is_fixation |= both == FPOG;
+    if (!read_times(reader, &sample, out_error) || !number(reader, BKID, &blink, out_error) ||
+        !point(reader, both, sample.direction, &valid, out_error))
+        return false;
+    if (valid) sample.valid |= TRK_DIRECTION;
+    for (int eye = 0; eye < 2; eye++) {
+        double pupil, pupil_valid;
+        if (!point(reader, LPOG + 3 * eye, sample.eye[eye].direction, &valid, out_error) ||
+            !number(reader, LPMM + 2 * eye, &pupil, out_error) ||
+            !number(reader, LPMM + 2 * eye + 1, &pupil_valid, out_error))
+            return false;
+        if (valid) sample.valid |= TRK_LEFT_DIRECTION << 4 * eye;
+        if (pupil_valid == 1) trk_set_pupil(&sample, eye, pupil);
+        if (isfinite(blink) && blink != 0) trk_set_openness(&sample, eye, 0);
+    }
+    return trk_log_append(reader->reading, &sample, out_error);
+}
+
+static bool begin(struct reader *reader, char out_error[TRK_ERROR_SIZE])
+{
+    reader->tick_hz = DEFAULT_TICK_HZ;
+    return trk_plane_init(&reader->plane, reader->reading, 1, 1, 16.0 / 9, TRK_SCREEN_FOV_DEG,
+                          "screen of 16:9", out_error);
+}
+
+static bool finish(struct reader *reader)
+{
+    if (reader->is_fixation) trk_assume(reader->reading, "no BPOG: gaze is that of fixations (FPOG)");
+    if (reader->device.held + reader->host.held)
+        trk_assume(reader->reading, "times that go back were held (%zu of the tracker, %zu of the host)",
+                   reader->device.held, reader->host.held);
+    return true;
+}
+
+/* --- the export ----------------------------------------------------------------------------------------- */
+
+/* TIME and TIMETICK have more in their names: when it began, and how fast it ticks. */
+static bool find_times(struct reader *reader, int place[VALUES], char out_error[TRK_ERROR_SIZE])
+{
+    struct trk_reading *reading = reader->reading;
+    for (size_t i = 0; i < reading->header.count; i++) {
+        const char *name = reading->header.names[i];
+        bool is_tick = strncasecmp(name, "TIMETICK", 8) == 0 || strncasecmp(name, "TIME_TICK", 9) == 0;
+        if (is_tick && place[TICK] < 0) {
+            const char *frequency = strstr(name, "f=");
+            double hz = frequency ? strtod(frequency + 2, NULL) : 0;
+            place[TICK] = (int)i;
+            if (hz >= 1 && hz <= 1e10) reader->tick_hz = hz;
+        } else if (!is_tick && strncasecmp(name, "TIME", 4) == 0 && place[TIME] < 0) {
+            place[TIME] = (int)i;
+        }
+    }
+    return place[TIME] >= 0 ||
+           trk_lines_fail(&reading->lines, out_error, "header lacks a column, expected 'TIME'");
+}
+
+static bool read_export(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
+{
+    struct reader reader = {.reading = reading};
+    struct trk_table table;
+    int place[VALUES];
+    trk_table_init(&table, reading);
+    if (!begin(&reader, out_error)) return false;
+    for (int i = 0; i < VALUES; i++) place[i] = i == TIME ? -1 : trk_header_find(&reading->header, names[i]);
+    if (!find_times(&reader, place, out_error)) return false;
+    for (;;) {
+        enum trk_line line = trk_table_next(&table, out_error);
+        if (line == TRK_LINE_END) return finish(&reader);
+        if (line == TRK_LINE_FAILED) return false;
+        for (int i = 0; i < VALUES; i++) reader.fields[i] = place[i] < 0 ? NULL : table.fields[place[i]];
+        if (!read_record(&reader, out_error)) return false;
+    }
+}
+
+const struct trk_log_format trk_log_gazepoint = {
+    .id = "gazepoint",
+    .name = "Gazepoint",
+    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME | TRK_TAKES_SCREEN,
+    .columns = {"CNT", "FPOGX", "FPOGY", "FPOGV"},
+    .read = read_export,
+};
+
+/* --- the API's records ---------------------------------------------------------------------------------- */
+
+/* The next NAME="VALUE" of an element, cut out in place. NULL at its end. */
+static char *next_attribute(char **at, char **out_value)
+{
+    char *name = *at + strspn(*at, " \t"), *equals = strchr(name, '=');
+    if (!equals || equals[1] != '"') return NULL;
+    char *end = strchr(equals + 2, '"');
+    if (!end) return NULL;
+    *equals = *end = '\0';
+    *out_value = equals + 2;
+    *at = end + 1;
+    return name;
+}
+
+/* <ACK ID="TIME_TICK_FREQUENCY" FREQ="10000000" /> tells how fast the ticks are. */
+static void read_answer(struct reader *reader, char *at)
+{
+    bool is_frequency = false;
+    char *name, *value;
+    while ((name = next_attribute(&at, &value))) {
+        double hz;
+        is_frequency |= strcmp(name, "ID") == 0 && strcmp(value, "TIME_TICK_FREQUENCY") == 0;
+        if (is_frequency && strcmp(name, "FREQ") == 0 && trk_parse_double(value, &hz) && hz >= 1 &&
+            hz <= 1e10)
+            reader->tick_hz = hz;
+    }
+}
+
+static bool read_open_gaze(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
+{
+    struct reader reader = {.reading = reading};
+    char *text = reading->lines.text;
+    enum trk_line line = TRK_LINE;
+    if (!begin(&reader, out_error)) return false;
+    for (; line == TRK_LINE; line = trk_lines_next(&reading->lines, out_error)) {
+        char *at = text + 4, *name, *value;
+        if (strncmp(text, "<ACK", 4) == 0) read_answer(&reader, at);
+        if (strncmp(text, "<REC", 4) != 0) continue;
+        memset(reader.fields, 0, sizeof reader.fields);
+        while ((name = next_attribute(&at, &value)))
+            for (int i = 0; i < VALUES; i++)
+                if (strcmp(name, names[i]) == 0) reader.fields[i] = value;
+        at += strspn(at, " \t");
+        if (strncmp(at, "/>", 2) != 0)
+            return trk_lines_fail(&reading->lines, out_error, "'%.40s', expected NAME=\"VALUE\" or />", at);
+        if (!read_record(&reader, out_error)) return false;
+    }
+    return line == TRK_LINE_END && finish(&reader);
+}
+
+static bool detect_open_gaze(const struct trk_reading *reading)
+{
+    return strncmp(reading->head, "<REC ", 5) == 0 ||
+           (reading->head[0] == '<' && strstr(reading->head, "\n<REC "));
+}
+
+const struct trk_log_format trk_log_open_gaze = {
+    .id = "open-gaze",
+    .name = "Open Gaze API",
+    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME | TRK_TAKES_SCREEN,
+    .detect = detect_open_gaze,
+    .read = read_open_gaze,
+};

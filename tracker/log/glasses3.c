@@ -1,0 +1,94 @@
+/* Recordings of Tobii Pro Glasses 3: gazedata.gz, one JSON object a line, in gzip or unpacked.
+ *
+ *   {"type":"gaze","timestamp":0.01,"data":{"gaze2d":[..],"gaze3d":[..],
+ *     "eyeleft":{"gazeorigin":[..],"gazedirection":[..],"pupildiameter":..},"eyeright":{..}}}
+ *
+ * timestamp is in seconds of the recording. Lost gaze is an empty "data", a lost eye an empty object or none.
+ * Origins and gaze3d are in mm, in the head unit's frame, which has its zero in the scene camera: +X to the
+ * wearer's left, +Y up, +Z forward. How this is known: in quoted rows the left eye's origin has x = +28 mm
+ * and the right eye's -31 mm, and a point with x = -82 mm lies in the right half of the picture (gaze2d 0.54,
+ * from the top left corner). The combined gaze is that of the eyes. No recording was at hand: the rows of the
+ * tests are made. */
+#include "log/formats.h"
+
+#include <jansson.h>
+#include <string.h>
+
+static bool read_vector(const json_t *array, float out_vector[3])
+{
+    if (json_array_size(array) != 3) return false; /* 0 if it is none */
+    for (size_t i = 0; i < 3; i++) {
+        const json_t *number = json_array_get(array, i);
+        if (!json_is_number(number)) return false;
+        out_vector[i] = (float)json_number_value(number);
+    }
+    return true;
+}
+
+static void read_eye(const json_t *data, int eye, const struct trk_frame *frame, struct trk_sample *sample)
+{
+    const json_t *object = json_object_get(data, eye ? "eyeright" : "eyeleft");
+    float vector[3];
+    if (read_vector(json_object_get(object, "gazedirection"), vector))
+        trk_set_direction(sample, eye, vector, frame);
+    if (read_vector(json_object_get(object, "gazeorigin"), vector))
+        trk_set_origin(sample, eye, vector, 1e-3f, frame);
+    trk_set_pupil(sample, eye, json_number_value(json_object_get(object, "pupildiameter")));
+}
+
+static bool read_object(struct trk_reading *reading, const json_t *root, struct trk_clock *clock,
+                        const struct trk_frame *frame, char out_error[TRK_ERROR_SIZE])
+{
+    const json_t *stamp = json_object_get(root, "timestamp"), *data = json_object_get(root, "data");
+    const char *type = json_string_value(json_object_get(root, "type"));
+    double time_ns = json_number_value(stamp) * trk_time_unit(reading, 1e9);
+    if (!type || strcmp(type, "gaze") != 0)
+        return trk_lines_fail(&reading->lines, out_error, "type is '%.20s', expected \"gaze\"",
+                              type ? type : "");
+    if (!json_is_number(stamp) || !(time_ns > -0x1p60 && time_ns < 0x1p60))
+        return trk_lines_fail(&reading->lines, out_error, "has no timestamp, expected seconds");
+    struct trk_sample sample = {.sequence = reading->log->count + 1};
+    if (!trk_clock_count(clock, (int64_t)time_ns, &reading->lines, &sample.device_ns, out_error))
+        return false;
+    sample.arrival_ns = sample.device_ns;
+    read_eye(data, 0, frame, &sample);
+    read_eye(data, 1, frame, &sample);
+    trk_combine(&sample);
+    return trk_log_append(reading, &sample, out_error);
+}
+
+static bool read_glasses3(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
+{
+    struct trk_lines *lines = &reading->lines;
+    struct trk_frame frame = trk_reading_frame(reading, "LUF");
+    struct trk_clock clock = {0};
+    enum trk_line line = TRK_LINE;
+    for (; line == TRK_LINE; line = trk_lines_next(lines, out_error)) {
+        if (lines->text[0] == '\0') continue;
+        json_error_t error;
+        json_t *root = json_loads(lines->text, 0, &error);
+        if (!root)
+            return trk_lines_fail(lines, out_error, "%.100s (at byte %d), expected a JSON object", error.text,
+                                  error.position);
+        bool ok = read_object(reading, root, &clock, &frame, out_error);
+        json_decref(root);
+        if (!ok) return false;
+    }
+    if (clock.held) trk_assume(reading, "%zu times that go back were held", clock.held);
+    return line == TRK_LINE_END;
+}
+
+static bool detect(const struct trk_reading *reading)
+{
+    const char *text = reading->lines.text;
+    return text[0] == '{' && strstr(text, "\"type\"") && strstr(text, "\"gaze\"") &&
+           strstr(text, "\"timestamp\"");
+}
+
+const struct trk_log_format trk_log_glasses3 = {
+    .id = "glasses3",
+    .name = "Tobii Pro Glasses 3",
+    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME,
+    .detect = detect,
+    .read = read_glasses3,
+};

@@ -1,0 +1,193 @@
+/* Logs of Pupil Labs: Core (gaze_positions.csv of Pupil Player) and Cloud (gaze.csv of Invisible and Neon).
+ *
+ * Core. gaze_timestamp (older: timestamp) is in seconds of a monotonic clock with any zero; a few rows in a
+ * thousand go back, and are sorted. gaze_normal0 and eye_center0 are the right eye's, ...1 the left one's, in
+ * mm, in the frame of the scene camera: +X right, +Y down, +Z forward. How this is known: in real rows eye
+ * centre 0 has x = +18 mm and eye centre 1 x = -39 mm; and a gaze point with x = -25, y = -31, z = 268 mm
+ * stands beside norm_pos (0.438, 0.573), whose origin is the picture's bottom left corner: left and up. Rows
+ * of one eye leave the other's fields empty. Without 3-D columns norm_pos is taken through a pinhole; the
+ * camera's usual picture of 1280 x 720 is 77.7 degrees wide. confidence below 0.6, Pupil's own threshold, is
+ * a lost sample. No such file was at hand whole: rows of the tests are made from the documentation and two
+ * quoted rows.
+ *
+ * Cloud. timestamp [ns] is of the Unix epoch; azimuth and elevation are degrees from the scene camera's axis.
+ * With the real recording: azimuth grows with gaze x [px] and elevation falls with gaze y [px], which counts
+ * from the picture's top; and while the head turns, eyes turn against it: gaze falls behind the gyroscope of
+ * the same recording with these signs (the test measures it). Samples that have a blink id are of a closed
+ * eye and count as lost; so do those of glasses that are not worn. */
+#include "log/formats.h"
+
+#include <math.h>
+#include <string.h>
+
+/* --- Core ----------------------------------------------------------------------------------------------- */
+
+enum { TIME, CONFIDENCE, NORM, CENTRES = NORM + 2, NORMALS = CENTRES + 6, CORE_COLUMNS = NORMALS + 6 };
+
+/* clang-format off */
+static const char *const core_names[CORE_COLUMNS] = {
+    "gaze_timestamp", "confidence", "norm_pos_x", "norm_pos_y",
+    "eye_center0_3d_x", "eye_center0_3d_y", "eye_center0_3d_z",
+    "eye_center1_3d_x", "eye_center1_3d_y", "eye_center1_3d_z",
+    "gaze_normal0_x", "gaze_normal0_y", "gaze_normal0_z",
+    "gaze_normal1_x", "gaze_normal1_y", "gaze_normal1_z",
+};
+/* clang-format on */
+
+#define SCENE_FOV_DEG  77.7
+#define MIN_CONFIDENCE 0.6
+
+struct core {
+    struct trk_table table;
+    struct trk_frame frame;
+    struct trk_plane plane;
+    struct trk_clock clock;
+    int place[CORE_COLUMNS]; /* those of an eye are -1 in recordings without 3-D */
+    bool has_3d;
+    size_t doubtful;
+    uint64_t sequence;
+};
+
+static bool begin_core(struct core *core, struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
+{
+    const char *names[NORM + 2];
+    memcpy(names, core_names, sizeof names);
+    if (trk_header_find(&reading->header, names[TIME]) < 0) names[TIME] = "timestamp";
+    trk_table_init(&core->table, reading);
+    if (!trk_table_need(&core->table, names, NORM + 2, core->place, out_error)) return false;
+    core->has_3d = true;
+    for (int i = CENTRES; i < CORE_COLUMNS; i++) {
+        core->place[i] = trk_header_find(&reading->header, core_names[i]);
+        core->has_3d &= core->place[i] >= 0;
+    }
+    core->frame = trk_reading_frame(reading, "RDF");
+    trk_assume(reading, "the head is the scene camera");
+    return core->has_3d || trk_plane_init(&core->plane, reading, 1, 1, 16.0 / 9, SCENE_FOV_DEG,
+                                          "no 3-D gaze: norm_pos through a scene camera", out_error);
+}
+
+static bool read_core_row(struct core *core, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
+{
+    struct trk_table *table = &core->table;
+    double confidence, x, y;
+    int64_t time_ns;
+    if (!trk_table_time(table, core->place[TIME], trk_time_unit(table->reading, 1e9), &time_ns, out_error) ||
+        !trk_table_number(table, core->place[CONFIDENCE], &confidence, out_error) ||
+        !trk_table_number(table, core->place[NORM], &x, out_error) ||
+        !trk_table_number(table, core->place[NORM + 1], &y, out_error))
+        return false;
+    if (!core->clock.started) core->clock = (struct trk_clock){.started = true, .first_ns = time_ns};
+    *sample = (struct trk_sample){.sequence = ++core->sequence};
+    int64_t ns = time_ns - core->clock.first_ns + (int64_t)TRK_MAX_DISORDER_NS;
+    if (ns < 0)
+        return trk_lines_fail(&table->reading->lines, out_error,
+                              "is %g s before the first row, expected less", 1 - (double)ns / 1e9);
+    sample->device_ns = sample->arrival_ns = (uint64_t)ns;
+    bool sure = confidence >= MIN_CONFIDENCE; /* not if it is NaN */
+    core->doubtful += !sure;
+    for (int i = 0; i < 2 && core->has_3d; i++) {
+        float normal[3], centre[3];
+        if (!trk_table_numbers(table, &core->place[NORMALS + 3 * i], 3, normal, out_error) ||
+            !trk_table_numbers(table, &core->place[CENTRES + 3 * i], 3, centre, out_error))
+            return false;
+        if (!sure) continue;
+        trk_set_direction(sample, 1 - i, normal, &core->frame);
+        trk_set_origin(sample, 1 - i, centre, 1e-3f, &core->frame);
+    }
+    if (sure && !core->has_3d && isfinite(x) && isfinite(y)) {
+        trk_plane_direction(&core->plane, x, 1 - y, sample->direction);
+        sample->valid |= TRK_DIRECTION;
+    }
+    trk_combine(sample);
+    return true;
+}
+
+static bool read_core(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
+{
+    struct core core = {0};
+    reading->disordered = true;
+    if (!begin_core(&core, reading, out_error)) return false;
+    for (;;) {
+        struct trk_sample sample;
+        enum trk_line line = trk_table_next(&core.table, out_error);
+        if (line == TRK_LINE_FAILED) return false;
+        if (line == TRK_LINE_END) break;
+        if (!read_core_row(&core, &sample, out_error) || !trk_log_append(reading, &sample, out_error))
+            return false;
+    }
+    if (core.doubtful)
+        trk_assume(reading, "%zu samples of confidence below %g count as lost", core.doubtful,
+                   MIN_CONFIDENCE);
+    return true;
+}
+
+const struct trk_log_format trk_log_pupil_core = {
+    .id = "pupil-core",
+    .name = "Pupil Core",
+    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME | TRK_TAKES_SCREEN,
+    .columns = {"confidence", "norm_pos_x", "norm_pos_y", "base_data"},
+    .read = read_core,
+};
+
+/* --- Cloud ---------------------------------------------------------------------------------------------- */
+
+enum { STAMP, AZIMUTH, ELEVATION, CLOUD_COLUMNS };
+static const char *const cloud_names[CLOUD_COLUMNS] = {"timestamp", "azimuth", "elevation"};
+
+static bool is_worn(const char *field)
+{
+    double number;
+    if (trk_parse_double(field, &number)) return number > 0;
+    return strcmp(field, "False") != 0 && strcmp(field, "false") != 0; /* empty is not known */
+}
+
+static bool read_cloud(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
+{
+    struct trk_table table;
+    struct trk_clock clock = {0};
+    int place[CLOUD_COLUMNS], worn = trk_header_find(&reading->header, "worn"),
+                              blink = trk_header_find(&reading->header, "blink id");
+    double signs[2], unit_ns = trk_time_unit(reading, 1);
+    size_t blinks = 0;
+    uint64_t sequence = 0;
+    trk_table_init(&table, reading);
+    if (!trk_table_need(&table, cloud_names, CLOUD_COLUMNS, place, out_error) ||
+        !trk_reading_signs(reading, "RUF", signs, out_error))
+        return false;
+    trk_assume(reading, "the head is the scene camera");
+    for (;;) {
+        double azimuth, elevation;
+        int64_t time_ns;
+        enum trk_line line = trk_table_next(&table, out_error);
+        if (line == TRK_LINE_FAILED) return false;
+        if (line == TRK_LINE_END) break;
+        if (!trk_table_time(&table, place[STAMP], unit_ns, &time_ns, out_error) ||
+            !trk_table_number(&table, place[AZIMUTH], &azimuth, out_error) ||
+            !trk_table_number(&table, place[ELEVATION], &elevation, out_error))
+            return false;
+        struct trk_sample sample = {.sequence = ++sequence};
+        if (!trk_clock_count(&clock, time_ns, &reading->lines, &sample.device_ns, out_error)) return false;
+        sample.arrival_ns = sample.device_ns;
+        bool closed = blink >= 0 && *table.fields[blink];
+        if (closed) {
+            blinks++;
+            trk_set_openness(&sample, 0, 0);
+            trk_set_openness(&sample, 1, 0);
+        } else if ((worn < 0 || is_worn(table.fields[worn])) && isfinite(azimuth) && isfinite(elevation)) {
+            trk_angles_direction(signs[0] * azimuth, signs[1] * elevation, sample.direction);
+            sample.valid |= TRK_DIRECTION;
+        }
+        if (!trk_log_append(reading, &sample, out_error)) return false;
+    }
+    if (blinks) trk_assume(reading, "%zu samples in blinks count as lost", blinks);
+    if (clock.held) trk_assume(reading, "%zu times that go back were held", clock.held);
+    return true;
+}
+
+const struct trk_log_format trk_log_pupil_cloud = {
+    .id = "pupil-cloud",
+    .name = "Pupil Cloud",
+    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME,
+    .columns = {"recording id", "gaze x", "azimuth", "elevation"},
+    .read = read_cloud,
+};

@@ -1,0 +1,224 @@
+/* Logs of the Salient360! toolbox (David et al.): gaze in the head, and the head, while people looked at
+ * panoramas in a headset; from Unity. Two families.
+ *
+ * Static (still panoramas; Tobii at 120 Hz): OcutimeStamp is the tracker's clock in us, UnityTimeStamp the
+ * host's in ms. cameraPosition and cameraRotation (x, y, z, w) are the head in Unity's left-handed frame.
+ * leftEyeDirection and rightEyeDirection are in the head, valL and valR say whether they hold anything; a
+ * lost eye is NaN. meanBasePoint and meanGazeDirection are in neither frame (the direction stays near (0, -1,
+ * 0) while the eyes move), so that the combined gaze is made from the eyes.
+ *
+ * Dynamic (panoramic video; SMI at 250 Hz): oculoTS in ns, unityTS in ms; cam_pitch, cam_yaw, cam_roll are
+ * Unity's Euler angles in degrees; meanGazeDir, leftGazeDir and rightGazeDir are in the head. Every row lacks
+ * the comma between binPor.y and Lval ("666.5324True,True", "NaNFalse,False"), so that it has a field less
+ * than the header; a file without that defect reads as well. sphere_yaw says how the picture was turned about
+ * the viewer and is not applied: gaze is that in the room.
+ *
+ * Signs: +X is to the right, as the base points say (the left eye's x is -31 mm, the right one's +34 mm); and
+ * while the head turns and the eye holds its target, the eye must turn against the head: it does with these
+ * signs in yaw and in pitch (the test measures it), and with no other. Units of base points are metres. */
+#include "log/formats.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The columns of one family, in an order that both share. */
+enum {
+    DEVICE,
+    HOST,
+    LEFT_DIRECTION,
+    RIGHT_DIRECTION = LEFT_DIRECTION + 3,
+    LEFT_ORIGIN = RIGHT_DIRECTION + 3,
+    RIGHT_ORIGIN = LEFT_ORIGIN + 3,
+    HEAD_ROTATION = RIGHT_ORIGIN + 3, /* 4 of a quaternion, or 3 angles */
+    HEAD_POSITION = HEAD_ROTATION + 4,
+    COLUMNS = HEAD_POSITION + 3,
+};
+
+/* clang-format off */
+static const char *const static_names[COLUMNS] = {
+    "OcutimeStamp", "UnityTimeStamp",
+    "leftEyeDirection.x", "leftEyeDirection.y", "leftEyeDirection.z",
+    "rightEyeDirection.x", "rightEyeDirection.y", "rightEyeDirection.z",
+    "leftBasePoint.x", "leftBasePoint.y", "leftBasePoint.z",
+    "rightBasePoint.x", "rightBasePoint.y", "rightBasePoint.z",
+    "cameraRotation.x", "cameraRotation.y", "cameraRotation.z", "cameraRotation.w",
+    "cameraPosition.x", "cameraPosition.y", "cameraPosition.z",
+};
+static const char *const dynamic_names[HEAD_ROTATION + 3] = {
+    "oculoTS", "unityTS",
+    "leftGazeDir.x", "leftGazeDir.y", "leftGazeDir.z",
+    "rightGazeDir.x", "rightGazeDir.y", "rightGazeDir.z",
+    "leftBasePt.x", "leftBasePt.y", "leftBasePt.z",
+    "rightBasePt.x", "rightBasePt.y", "rightBasePt.z",
+    "cam_pitch", "cam_yaw", "cam_roll",
+};
+/* clang-format on */
+
+struct reader {
+    struct trk_table table;
+    struct trk_frame frame;
+    struct trk_clock device, host;
+    double device_unit_ns;
+    int place[COLUMNS];
+    int valid[2];    /* columns of the eyes' flags */
+    bool is_dynamic; /* with the family's defect to be mended */
+    size_t mended;
+    int64_t first_host_ms;
+    uint64_t sequence;
+};
+
+/* Put back the comma that the dynamic family lacks: before a word that stands against a number. */
+static void mend_row(struct reader *reader)
+{
+    char *text = reader->table.reading->lines.text;
+    size_t commas = 0;
+    for (const char *c = text; *c; c++) commas += *c == ',';
+    if (commas + 2 != reader->table.reading->header.count) return;
+    char *word = strstr(text, "True"), *other = strstr(text, "False");
+    if (!word || (other && other < word)) word = other;
+    if (!word || word == text || word[-1] == ',') return;
+    size_t rest = strlen(word);
+    if ((size_t)(word - text) + rest + 2 > TRK_LINE_SIZE) return;
+    memmove(word + 1, word, rest + 1);
+    *word = ',';
+    reader->mended++;
+}
+
+static enum trk_line next_row(struct reader *reader, char out_error[TRK_ERROR_SIZE])
+{
+    enum trk_line line;
+    do {
+        line = trk_lines_next(&reader->table.reading->lines, out_error);
+    } while (line == TRK_LINE && reader->table.reading->lines.text[0] == '\0');
+    if (line != TRK_LINE) return line;
+    if (reader->is_dynamic) mend_row(reader);
+    return trk_table_split(&reader->table, out_error);
+}
+
+static bool read_flag(struct reader *reader, int column, bool *out_flag, char out_error[TRK_ERROR_SIZE])
+{
+    const char *field = reader->table.fields[column];
+    *out_flag = strcmp(field, "True") == 0;
+    if (*out_flag || strcmp(field, "False") == 0) return true;
+    return trk_lines_fail(&reader->table.reading->lines, out_error, "%s is '%.40s', expected True or False",
+                          reader->table.reading->header.names[column], field);
+}
+
+static bool read_head(struct reader *reader, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
+{
+    float rotation[4], position[3] = {0}, angles[3];
+    if (reader->is_dynamic) {
+        if (!trk_table_numbers(&reader->table, &reader->place[HEAD_ROTATION], 3, angles, out_error))
+            return false;
+        trk_unity_euler(angles, rotation);
+    } else if (!trk_table_numbers(&reader->table, &reader->place[HEAD_ROTATION], 4, rotation, out_error) ||
+               !trk_table_numbers(&reader->table, &reader->place[HEAD_POSITION], 3, position, out_error)) {
+        return false;
+    }
+    trk_set_unity_head(sample, position, rotation);
+    return true;
+}
+
+/* The host counts ms from the year 1, which in ns is beyond any integer: from the first one here. */
+static bool read_host(struct reader *reader, int64_t *out_ns, char out_error[TRK_ERROR_SIZE])
+{
+    int64_t ms;
+    if (!trk_table_time(&reader->table, reader->place[HOST], 1, &ms, out_error)) return false;
+    if (!reader->host.started) reader->first_host_ms = ms;
+    if (!__builtin_mul_overflow(ms - reader->first_host_ms, INT64_C(1000000), out_ns) &&
+        llabs(*out_ns) < INT64_C(1) << 62)
+        return true;
+    return trk_lines_fail(&reader->table.reading->lines, out_error,
+                          "%s is far from the first, expected a time",
+                          reader->table.reading->header.names[reader->place[HOST]]);
+}
+
+static bool read_row(struct reader *reader, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
+{
+    const struct trk_lines *lines = &reader->table.reading->lines;
+    int64_t device_ns, host_ns;
+    if (!trk_table_time(&reader->table, reader->place[DEVICE], reader->device_unit_ns, &device_ns,
+                        out_error) ||
+        !read_host(reader, &host_ns, out_error))
+        return false;
+    *sample = (struct trk_sample){.sequence = ++reader->sequence};
+    if (!trk_clock_count(&reader->device, device_ns, lines, &sample->device_ns, out_error) ||
+        !trk_clock_count(&reader->host, host_ns, lines, &sample->arrival_ns, out_error))
+        return false;
+    for (int eye = 0; eye < 2; eye++) {
+        bool valid;
+        float direction[3], origin[3];
+        if (!read_flag(reader, reader->valid[eye], &valid, out_error) ||
+            !trk_table_numbers(&reader->table, &reader->place[LEFT_DIRECTION + 3 * eye], 3, direction,
+                               out_error) ||
+            !trk_table_numbers(&reader->table, &reader->place[LEFT_ORIGIN + 3 * eye], 3, origin, out_error))
+            return false;
+        if (!valid) continue;
+        trk_set_direction(sample, eye, direction, &reader->frame);
+        trk_set_origin(sample, eye, origin, 1, &reader->frame);
+    }
+    trk_combine(sample);
+    return read_head(reader, sample, out_error);
+}
+
+static bool read_rows(struct reader *reader, struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
+{
+    for (;;) {
+        struct trk_sample sample;
+        enum trk_line line = next_row(reader, out_error);
+        if (line == TRK_LINE_FAILED) return false;
+        if (line == TRK_LINE_END) break;
+        if (!read_row(reader, &sample, out_error) || !trk_log_append(reading, &sample, out_error))
+            return false;
+    }
+    if (reader->mended) trk_assume(reading, "a comma was put back in each of %zu rows", reader->mended);
+    if (reader->device.held + reader->host.held)
+        trk_assume(reading, "times that go back were held (%zu of the tracker, %zu of the host)",
+                   reader->device.held, reader->host.held);
+    return true;
+}
+
+static bool read_static(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
+{
+    static const char *const flags[] = {"valL", "valR"};
+    struct reader reader = {.frame = trk_reading_frame(reading, "RUF"),
+                            .device_unit_ns = trk_time_unit(reading, 1e3)};
+    trk_table_init(&reader.table, reading);
+    if (!trk_table_need(&reader.table, static_names, COLUMNS, reader.place, out_error) ||
+        !trk_table_need(&reader.table, flags, 2, reader.valid, out_error))
+        return false;
+    trk_assume(reading, "gaze is the mean of the eyes (the file's own mean is in no known frame)");
+    return read_rows(&reader, reading, out_error);
+}
+
+static bool read_dynamic(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
+{
+    static const char *const flags[] = {"Lval", "Rval"};
+    struct reader reader = {.frame = trk_reading_frame(reading, "RUF"),
+                            .device_unit_ns = trk_time_unit(reading, 1),
+                            .is_dynamic = true};
+    trk_table_init(&reader.table, reading);
+    if (!trk_table_need(&reader.table, dynamic_names, HEAD_ROTATION + 3, reader.place, out_error) ||
+        !trk_table_need(&reader.table, flags, 2, reader.valid, out_error))
+        return false;
+    if (trk_header_find(&reading->header, "sphere_yaw") >= 0)
+        trk_assume(reading, "sphere_yaw (how the picture was turned) is not applied");
+    return read_rows(&reader, reading, out_error);
+}
+
+const struct trk_log_format trk_log_salient360_static = {
+    .id = "salient360-static",
+    .name = "Salient360 static",
+    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME,
+    .columns = {"OcutimeStamp", "leftEyeDirection.x", "cameraRotation.x"},
+    .read = read_static,
+};
+
+const struct trk_log_format trk_log_salient360_dynamic = {
+    .id = "salient360-dynamic",
+    .name = "Salient360 dynamic",
+    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME,
+    .columns = {"oculoTS", "leftGazeDir.x", "cam_pitch"},
+    .read = read_dynamic,
+};
