@@ -56,7 +56,7 @@ struct reader {
     struct trk_table table;
     const struct layout *layout;
     struct trk_frame frame;
-    struct trk_clock clock;
+    struct trk_log_clock clock;
     double signs[2], unit_ns;
     int place[COLUMNS]; /* -1: none */
     uint64_t sequence;
@@ -115,8 +115,8 @@ static bool read_row(struct reader *reader, struct trk_sample *sample, char out_
         !trk_table_number(&reader->table, reader->place[LOST], &lost, out_error))
         return false;
     *sample = (struct trk_sample){.sequence = ++reader->sequence};
-    if (!trk_clock_count(&reader->clock, time_ns, &reader->table.reading->lines, &sample->device_ns,
-                         out_error))
+    if (!trk_log_clock_count(&reader->clock, time_ns, &reader->table.reading->lines, &sample->device_ns,
+                             out_error))
         return false;
     sample->arrival_ns = sample->device_ns;
     if (lost > 0) return true;

@@ -28,7 +28,7 @@ static const char *const names[COLUMNS] = {"time",          "x", "y", "confidenc
 
 struct reader {
     struct trk_table table;
-    struct trk_clock clock;
+    struct trk_log_clock clock;
     double size_px[2];
     int place[COLUMNS];
     uint64_t sequence;
@@ -97,7 +97,7 @@ static bool read_row(struct reader *reader, struct trk_sample *sample, char out_
     *sample = (struct trk_sample){.sequence = ++reader->sequence};
     if (!trk_table_time(table, reader->place[TIME], trk_time_unit(table->reading, 1e3), &time_ns,
                         out_error) ||
-        !trk_clock_count(&reader->clock, time_ns, &table->reading->lines, &sample->device_ns, out_error))
+        !trk_log_clock_count(&reader->clock, time_ns, &table->reading->lines, &sample->device_ns, out_error))
         return false;
     sample->arrival_ns = sample->device_ns;
     for (int i = X; i < COLUMNS; i++)

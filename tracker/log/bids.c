@@ -29,7 +29,7 @@ struct reader {
     struct trk_reading *reading;
     struct trk_table table;
     struct trk_plane plane;
-    struct trk_clock clock;
+    struct trk_log_clock clock;
     enum place place_kind;
     double signs[2], degrees; /* of a unit of x and y */
     double unit_ns;
@@ -208,7 +208,7 @@ static bool read_row(struct reader *reader, char out_error[TRK_ERROR_SIZE])
     double x, y, pupil;
     int64_t time_ns;
     if (!trk_table_time(&reader->table, reader->place[TIME], reader->unit_ns, &time_ns, out_error) ||
-        !trk_clock_count(&reader->clock, time_ns, lines, &sample.device_ns, out_error) ||
+        !trk_log_clock_count(&reader->clock, time_ns, lines, &sample.device_ns, out_error) ||
         !trk_table_number(&reader->table, reader->place[X], &x, out_error) ||
         !trk_table_number(&reader->table, reader->place[Y], &y, out_error) ||
         !trk_table_number(&reader->table, reader->place[PUPIL], &pupil, out_error))

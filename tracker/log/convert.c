@@ -14,8 +14,8 @@ double trk_time_unit(const struct trk_reading *reading, double own_ns)
     return strcmp(unit, "s") == 0 ? 1e9 : strcmp(unit, "ms") == 0 ? 1e6 : strcmp(unit, "us") == 0 ? 1e3 : 1;
 }
 
-bool trk_clock_count(struct trk_clock *clock, int64_t time_ns, const struct trk_lines *lines,
-                     uint64_t *out_ns, char out_error[TRK_ERROR_SIZE])
+bool trk_log_clock_count(struct trk_log_clock *clock, int64_t time_ns, const struct trk_lines *lines,
+                         uint64_t *out_ns, char out_error[TRK_ERROR_SIZE])
 {
     if (!clock->started) {
         clock->started = true;

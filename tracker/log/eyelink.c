@@ -25,7 +25,7 @@ enum { LEFT_EYE = 1, RIGHT_EYE = 2 };
 
 struct reader {
     struct trk_reading *reading;
-    struct trk_clock clock;
+    struct trk_log_clock clock;
     unsigned eyes, closed; /* LEFT_EYE, RIGHT_EYE */
     double rate_hz;
     double edges[4];      /* left, top, right, bottom: px; NaN if unknown */
@@ -136,7 +136,7 @@ static bool read_sample(struct reader *reader, char out_error[TRK_ERROR_SIZE])
         time_ns += (int64_t)later_ns;
         reader->spread++;
     }
-    if (!trk_clock_count(&reader->clock, time_ns, lines, &sample.device_ns, out_error)) return false;
+    if (!trk_log_clock_count(&reader->clock, time_ns, lines, &sample.device_ns, out_error)) return false;
     sample.arrival_ns = sample.device_ns;
     char **place = &fields[1];
     for (int eye = 0; eye < 2; eye++) {

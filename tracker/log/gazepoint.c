@@ -32,7 +32,7 @@ static const char *const names[VALUES] = {
 struct reader {
     struct trk_reading *reading;
     struct trk_plane plane;
-    struct trk_clock device, host;
+    struct trk_log_clock device, host;
     const char *fields[VALUES]; /* of one record; NULL where it has none */
     double tick_hz;
     bool has_count, is_fixation; /* FPOG had to be taken */
@@ -57,11 +57,12 @@ static bool read_times(struct reader *reader, struct trk_sample *sample, char ou
     int64_t time_ns, tick_ns, counted;
     if (!time || !trk_parse_time(time, trk_time_unit(reader->reading, 1e9), &time_ns))
         return trk_lines_fail(lines, out_error, "TIME is '%.40s', expected seconds", time ? time : "");
-    if (!trk_clock_count(&reader->device, time_ns, lines, &sample->device_ns, out_error)) return false;
+    if (!trk_log_clock_count(&reader->device, time_ns, lines, &sample->device_ns, out_error)) return false;
     sample->arrival_ns = sample->device_ns;
     if (tick && !trk_parse_time(tick, 1e9 / reader->tick_hz, &tick_ns))
         return trk_lines_fail(lines, out_error, "TIME_TICK is '%.40s', expected ticks", tick);
-    if (tick && !trk_clock_count(&reader->host, tick_ns, lines, &sample->arrival_ns, out_error)) return false;
+    if (tick && !trk_log_clock_count(&reader->host, tick_ns, lines, &sample->arrival_ns, out_error))
+        return false;
     sample->sequence = reader->sequence + 1;
     if (count && trk_parse_int64(count, &counted) && llabs(counted) < INT64_MAX / 4) {
         if (!reader->has_count) reader->first_count = counted;

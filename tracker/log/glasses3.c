@@ -36,7 +36,7 @@ static void read_eye(const json_t *data, int eye, const struct trk_frame *frame,
     trk_set_pupil(sample, eye, json_number_value(json_object_get(object, "pupildiameter")));
 }
 
-static bool read_object(struct trk_reading *reading, const json_t *root, struct trk_clock *clock,
+static bool read_object(struct trk_reading *reading, const json_t *root, struct trk_log_clock *clock,
                         const struct trk_frame *frame, char out_error[TRK_ERROR_SIZE])
 {
     const json_t *stamp = json_object_get(root, "timestamp"), *data = json_object_get(root, "data");
@@ -48,7 +48,7 @@ static bool read_object(struct trk_reading *reading, const json_t *root, struct 
     if (!json_is_number(stamp) || !(time_ns > -0x1p60 && time_ns < 0x1p60))
         return trk_lines_fail(&reading->lines, out_error, "has no timestamp, expected seconds");
     struct trk_sample sample = {.sequence = reading->log->count + 1};
-    if (!trk_clock_count(clock, (int64_t)time_ns, &reading->lines, &sample.device_ns, out_error))
+    if (!trk_log_clock_count(clock, (int64_t)time_ns, &reading->lines, &sample.device_ns, out_error))
         return false;
     sample.arrival_ns = sample.device_ns;
     read_eye(data, 0, frame, &sample);
@@ -61,7 +61,7 @@ static bool read_glasses3(struct trk_reading *reading, char out_error[TRK_ERROR_
 {
     struct trk_lines *lines = &reading->lines;
     struct trk_frame frame = trk_reading_frame(reading, "LUF");
-    struct trk_clock clock = {0};
+    struct trk_log_clock clock = {0};
     enum trk_line line = TRK_LINE;
     for (; line == TRK_LINE; line = trk_lines_next(lines, out_error)) {
         if (lines->text[0] == '\0') continue;

@@ -185,14 +185,14 @@ double trk_time_unit(const struct trk_reading *reading, double own_ns);
 
 /* A clock that counts from its first time and never goes back: what is a little earlier than the last time
  * counts as that one, and is counted in held. Further back is refused. */
-struct trk_clock {
+struct trk_log_clock {
     bool started;
     int64_t first_ns;
     uint64_t last_ns;
     size_t held;
 };
-bool trk_clock_count(struct trk_clock *clock, int64_t time_ns, const struct trk_lines *lines,
-                     uint64_t *out_ns, char out_error[TRK_ERROR_SIZE]);
+bool trk_log_clock_count(struct trk_log_clock *clock, int64_t time_ns, const struct trk_lines *lines,
+                         uint64_t *out_ns, char out_error[TRK_ERROR_SIZE]);
 
 /* How a file's vectors turn into ours (+X right, +Y up, -Z forward): three letters say where its +X, +Y and
  * +Z point, of L left or R right, U up or D down, F forward or B back. */

@@ -46,8 +46,15 @@ static const struct column {
     COLUMN("head_qy[head-to-world]", head[4], TRK_HEAD),
     COLUMN("head_qz[head-to-world]", head[5], TRK_HEAD),
     COLUMN("head_qw[head-to-world]", head[6], TRK_HEAD),
+    COLUMN("screen_x[0..1]", screen[0], TRK_SCREEN),
+    COLUMN("screen_y[0..1]", screen[1], TRK_SCREEN),
 };
-enum { COLUMNS = sizeof columns / sizeof *columns };
+/* The last two columns are there only in logs of trackers with a screen. */
+enum {
+    COLUMNS = sizeof columns / sizeof *columns,
+    PLAIN = WHOLE + COLUMNS - 2,
+    WITH_SCREEN = WHOLE + COLUMNS
+};
 
 /* What must have unit length, by its bit. */
 static const struct unit {
@@ -62,9 +69,10 @@ static const struct unit {
     {TRK_HEAD, "head_q", offsetof(struct trk_sample, head[3]), 4},
 };
 
-static const uint32_t all_bits = TRK_DIRECTION | TRK_ORIGIN | TRK_HEAD | 0xff0; /* the eyes: bits 4 to 11 */
+static const uint32_t all_bits =
+    TRK_DIRECTION | TRK_ORIGIN | TRK_HEAD | TRK_SCREEN | 0xff0; /* the eyes: bits 4 to 11 */
 
-static const char *column_name(int index)
+static const char *column_name(size_t index)
 {
     return index < WHOLE ? whole_names[index] : columns[index - WHOLE].name;
 }
@@ -76,7 +84,7 @@ static bool detect(const struct trk_reading *reading)
     return strncmp(reading->lines.text, MAGIC, strlen(MAGIC)) == 0;
 }
 
-static bool read_header(struct trk_lines *lines, char out_error[TRK_ERROR_SIZE])
+static bool read_header(struct trk_lines *lines, size_t *out_columns, char out_error[TRK_ERROR_SIZE])
 {
     if (strcmp(lines->text, MAGIC VERSION) != 0)
         return trk_lines_fail(lines, out_error, "'%.40s', expected '" MAGIC VERSION "'", lines->text);
@@ -89,22 +97,23 @@ static bool read_header(struct trk_lines *lines, char out_error[TRK_ERROR_SIZE])
 
     char *fields[TRK_MAX_FIELDS];
     size_t count = trk_split(lines->text, SEPARATOR, fields);
-    for (int i = 0; i < WHOLE + COLUMNS; i++)
-        if ((size_t)i >= count || strcmp(fields[i], column_name(i)) != 0)
-            return trk_lines_fail(lines, out_error, "header has '%.40s' as column %d, expected '%s'",
-                                  (size_t)i < count ? fields[i] : "", i + 1, column_name(i));
-    if (count > WHOLE + COLUMNS)
-        return trk_lines_fail(lines, out_error, "header has %zu columns, expected %d", count,
-                              WHOLE + COLUMNS);
+    *out_columns = count > PLAIN ? WITH_SCREEN : PLAIN;
+    for (size_t i = 0; i < *out_columns; i++)
+        if (i >= count || strcmp(fields[i], column_name(i)) != 0)
+            return trk_lines_fail(lines, out_error, "header has '%.40s' as column %zu, expected '%s'",
+                                  i < count ? fields[i] : "", i + 1, column_name(i));
+    if (count > *out_columns)
+        return trk_lines_fail(lines, out_error, "header has %zu columns, expected %zu", count, *out_columns);
     return true;
 }
 
-static bool read_row(struct trk_lines *lines, struct trk_sample *out_sample, char out_error[TRK_ERROR_SIZE])
+static bool read_row(struct trk_lines *lines, size_t expected, struct trk_sample *out_sample,
+                     char out_error[TRK_ERROR_SIZE])
 {
     char *fields[TRK_MAX_FIELDS];
     size_t count = trk_split(lines->text, SEPARATOR, fields);
-    if (count != WHOLE + COLUMNS)
-        return trk_lines_fail(lines, out_error, "%zu columns, expected %d", count, WHOLE + COLUMNS);
+    if (count != expected)
+        return trk_lines_fail(lines, out_error, "%zu columns, expected %zu", count, expected);
 
     int64_t whole[WHOLE];
     for (int i = 0; i < WHOLE; i++)
@@ -120,7 +129,7 @@ static bool read_row(struct trk_lines *lines, struct trk_sample *out_sample, cha
         .arrival_ns = (uint64_t)whole[ARRIVAL],
         .valid = (uint32_t)whole[VALID],
     };
-    for (int i = 0; i < COLUMNS; i++) {
+    for (size_t i = 0; i < expected - WHOLE; i++) {
         float value;
         if (!trk_parse_float(fields[WHOLE + i], &value) || !isfinite(value))
             return trk_lines_fail(lines, out_error, "%s is '%.40s', expected a finite number",
@@ -140,7 +149,8 @@ static bool read_row(struct trk_lines *lines, struct trk_sample *out_sample, cha
 static bool read_own(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
 {
     struct trk_lines *lines = &reading->lines;
-    if (!read_header(lines, out_error)) return false;
+    size_t columns_here;
+    if (!read_header(lines, &columns_here, out_error)) return false;
     for (;;) {
         enum trk_line line = trk_lines_next(lines, out_error);
         if (line == TRK_LINE_END) return true;
@@ -151,7 +161,7 @@ static bool read_own(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE]
             return true;
         }
         struct trk_sample sample;
-        if (!read_row(lines, &sample, out_error)) return false;
+        if (!read_row(lines, columns_here, &sample, out_error)) return false;
         if (!trk_log_append(reading, &sample, out_error)) return false;
     }
 }
@@ -176,12 +186,13 @@ static size_t print_float(char *out, size_t size, float value)
     return (size_t)length;
 }
 
-size_t trk_own_header(char out_text[TRK_LINE_SIZE])
+size_t trk_own_header(bool with_screen, char out_text[TRK_LINE_SIZE])
 {
+    const size_t count = with_screen ? WITH_SCREEN : PLAIN;
     size_t length = (size_t)snprintf(out_text, TRK_LINE_SIZE, MAGIC VERSION "\n");
-    for (int i = 0; i < WHOLE + COLUMNS; i++)
+    for (size_t i = 0; i < count; i++)
         length += (size_t)snprintf(out_text + length, TRK_LINE_SIZE - length, "%s%c", column_name(i),
-                                   i < WHOLE + COLUMNS - 1 ? SEPARATOR : '\n');
+                                   i < count - 1 ? SEPARATOR : '\n');
     return length;
 }
 
@@ -200,18 +211,17 @@ bool trk_own_accepts(const struct trk_sample *sample)
     return true;
 }
 
-size_t trk_own_row(const struct trk_sample *sample, char out_text[TRK_LINE_SIZE])
+size_t trk_own_row(const struct trk_sample *sample, bool with_screen, char out_text[TRK_LINE_SIZE])
 {
-    size_t length =
-        (size_t)snprintf(out_text, TRK_LINE_SIZE, "%" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu32,
-                         sample->sequence, sample->device_ns, sample->arrival_ns, sample->valid & all_bits);
-    for (int i = 0; i < COLUMNS; i++) {
+    const uint32_t bits = sample->valid & (with_screen ? all_bits : all_bits & ~(uint32_t)TRK_SCREEN);
+    size_t length = (size_t)snprintf(out_text, TRK_LINE_SIZE, "%" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu32,
+                                     sample->sequence, sample->device_ns, sample->arrival_ns, bits);
+    for (size_t i = 0; i < (with_screen ? WITH_SCREEN : PLAIN) - WHOLE; i++) {
         float value = 0;
-        if (sample->valid & columns[i].bit)
-            memcpy(&value, (const char *)sample + columns[i].offset, sizeof value);
+        if (bits & columns[i].bit) memcpy(&value, (const char *)sample + columns[i].offset, sizeof value);
         length += print_float(out_text + length, TRK_LINE_SIZE - length, value);
     }
-    out_text[length++] = '\n'; /* 80 digits and 29 floats of 16 bytes leave room in a line of 4096 */
+    out_text[length++] = '\n'; /* 80 digits and 31 floats of 16 bytes leave room in a line of 4096 */
     out_text[length] = '\0';
     return length;
 }
@@ -219,8 +229,11 @@ size_t trk_own_row(const struct trk_sample *sample, char out_text[TRK_LINE_SIZE]
 static void write_rows(FILE *file, const struct trk_log *log)
 {
     char text[TRK_LINE_SIZE];
-    fwrite(text, 1, trk_own_header(text), file);
-    for (size_t i = 0; i < log->count; i++) fwrite(text, 1, trk_own_row(&log->samples[i], text), file);
+    bool with_screen = false;
+    for (size_t i = 0; i < log->count; i++) with_screen |= (log->samples[i].valid & TRK_SCREEN) != 0;
+    fwrite(text, 1, trk_own_header(with_screen, text), file);
+    for (size_t i = 0; i < log->count; i++)
+        fwrite(text, 1, trk_own_row(&log->samples[i], with_screen, text), file);
 }
 
 /* Written beside its place and renamed, so that a reader never sees half a log. */

@@ -1,23 +1,25 @@
 /* The project's own gaze log: text that a person can read and any tool can split.
  *
- *   line 1   fovead-gaze 1
- *   line 2   the names of the 33 columns below, separated by one space
- *   then     one sample a line: 33 numbers, separated by one space; lines that start with # are comments
+ * - Line 1 is "fovead-gaze 1".
+ * - Line 2 has the names of the 33 columns below, separated by one space; of 35, with a screen.
+ * - Then one sample a line: as many numbers, separated by one space. Lines that start with # are comments.
  *
- *   sequence                                  counts the tracker's samples from 1; a gap is a lost sample
- *   device[ns] arrival[ns]                    the tracker's clock from 0; the recording host's clock
- *   valid[bits]                               which fields hold something, the sum of
- *                                             1 direction, 2 origin, 4 head pose; left eye 16 direction, 32
- * origin, 64 openness, 128 pupil; right eye 256, 512, 1024, 2048 direction_{x,y,z}[head] combined gaze
- * direction, unit length origin_{x,y,z}[head,m]                    combined gaze origin left_direction_...,
- * left_origin_...       the same of the left eye, then left_openness[0..1] left_pupil[mm]        its openness
- * (0 closed) and pupil diameter; then right_... head_{x,y,z}[world,m] head_q{x,y,z,w}[head-to-world]   head
- * pose: position, unit quaternion
+ * The columns:
+ * - sequence: counts the tracker's samples from 1; a gap is a lost sample.
+ * - device[ns], arrival[ns]: the tracker's clock from 0; the recording host's clock.
+ * - valid[bits]: which fields hold something, the sum of 1 direction, 2 origin, 4 head pose, 8 screen; left
+ * eye 16 direction, 32 origin, 64 openness, 128 pupil; right eye 256, 512, 1024, 2048.
+ * - direction_{x,y,z}[head]: combined gaze direction, unit length.
+ * - origin_{x,y,z}[head,m]: combined gaze origin.
+ * - left_direction_..., left_origin_...: the same of the left eye; then left_openness[0..1] (0 closed) and
+ *   left_pupil[mm], its diameter. Then right_...
+ * - head_{x,y,z}[world,m], head_q{x,y,z,w}[head-to-world]: head pose, position and unit quaternion.
+ * - screen_{x,y}[0..1]: the point on the screen, from its top left corner, as shares of its size.
  *
  * Frames are right-handed: +X right, +Y up, -Z forward. Times are whole nanoseconds and never go back.
  * Numbers are decimal and read back exactly. A field whose bit is unset is written as 0. The last line ends
- * with a newline: one that does not was cut off, and is left out with a word in trk_log.assumed. Lines may end
- * with CRLF.
+ * with a newline: one that does not was cut off, and is left out with a word in trk_log.assumed. Lines may
+ * end with CRLF.
  */
 #ifndef FOVEAD_TRACKER_LOG_OWN_H
 #define FOVEAD_TRACKER_LOG_OWN_H
@@ -25,10 +27,10 @@
 #include "log/log.h"
 
 /* The first two lines, and the line of one sample, as they stand in a file. Each returns its length. */
-size_t trk_own_header(char out_text[TRK_LINE_SIZE]);
+size_t trk_own_header(bool with_screen, char out_text[TRK_LINE_SIZE]);
+size_t trk_own_row(const struct trk_sample *sample, bool with_screen, char out_text[TRK_LINE_SIZE]);
 /* Would trk_log_read() take its row? What is valid must be finite, and of unit length where that is asked. */
 bool trk_own_accepts(const struct trk_sample *sample);
-size_t trk_own_row(const struct trk_sample *sample, char out_text[TRK_LINE_SIZE]);
 
 /* Write a log in this format; it appears whole or not at all. */
 bool trk_own_write(const char *path, const struct trk_log *log, char out_error[TRK_ERROR_SIZE]);

@@ -28,7 +28,7 @@ static const char *const optional[OPTIONAL] = {
 struct reader {
     struct trk_table table;
     struct trk_frame frame;
-    struct trk_clock clock;
+    struct trk_log_clock clock;
     double unit_ns;
     int place[NEEDED], extra[OPTIONAL];
     uint64_t sequence;
@@ -42,7 +42,8 @@ static bool read_row(struct reader *reader, struct trk_sample *sample, char out_
     int64_t time_ns;
     *sample = (struct trk_sample){.sequence = ++reader->sequence};
     if (!trk_table_time(table, reader->place[TIME], reader->unit_ns, &time_ns, out_error) ||
-        !trk_clock_count(&reader->clock, time_ns, &table->reading->lines, &sample->device_ns, out_error) ||
+        !trk_log_clock_count(&reader->clock, time_ns, &table->reading->lines, &sample->device_ns,
+                             out_error) ||
         !trk_table_numbers(table, &reader->place[GAZE], 3, gaze, out_error) ||
         !trk_table_numbers(table, &reader->place[ROTATION], 3, angles, out_error) ||
         !trk_table_numbers(table, &reader->extra[POSITION], 3, position, out_error))

@@ -41,7 +41,7 @@ struct core {
     struct trk_table table;
     struct trk_frame frame;
     struct trk_plane plane;
-    struct trk_clock clock;
+    struct trk_log_clock clock;
     int place[CORE_COLUMNS]; /* those of an eye are -1 in recordings without 3-D */
     bool has_3d;
     size_t doubtful;
@@ -76,7 +76,7 @@ static bool read_core_row(struct core *core, struct trk_sample *sample, char out
         !trk_table_number(table, core->place[NORM], &x, out_error) ||
         !trk_table_number(table, core->place[NORM + 1], &y, out_error))
         return false;
-    if (!core->clock.started) core->clock = (struct trk_clock){.started = true, .first_ns = time_ns};
+    if (!core->clock.started) core->clock = (struct trk_log_clock){.started = true, .first_ns = time_ns};
     *sample = (struct trk_sample){.sequence = ++core->sequence};
     int64_t ns = time_ns - core->clock.first_ns + (int64_t)TRK_MAX_DISORDER_NS;
     if (ns < 0)
@@ -144,7 +144,7 @@ static bool is_worn(const char *field)
 static bool read_cloud(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
 {
     struct trk_table table;
-    struct trk_clock clock = {0};
+    struct trk_log_clock clock = {0};
     int place[CLOUD_COLUMNS], worn = trk_header_find(&reading->header, "worn"),
                               blink = trk_header_find(&reading->header, "blink id");
     double signs[2], unit_ns = trk_time_unit(reading, 1);
@@ -166,7 +166,8 @@ static bool read_cloud(struct trk_reading *reading, char out_error[TRK_ERROR_SIZ
             !trk_table_number(&table, place[ELEVATION], &elevation, out_error))
             return false;
         struct trk_sample sample = {.sequence = ++sequence};
-        if (!trk_clock_count(&clock, time_ns, &reading->lines, &sample.device_ns, out_error)) return false;
+        if (!trk_log_clock_count(&clock, time_ns, &reading->lines, &sample.device_ns, out_error))
+            return false;
         sample.arrival_ns = sample.device_ns;
         bool closed = blink >= 0 && *table.fields[blink];
         if (closed) {

@@ -58,7 +58,7 @@ static const char *const dynamic_names[HEAD_ROTATION + 3] = {
 struct reader {
     struct trk_table table;
     struct trk_frame frame;
-    struct trk_clock device, host;
+    struct trk_log_clock device, host;
     double device_unit_ns;
     int place[COLUMNS];
     int valid[2];    /* columns of the eyes' flags */
@@ -143,8 +143,8 @@ static bool read_row(struct reader *reader, struct trk_sample *sample, char out_
         !read_host(reader, &host_ns, out_error))
         return false;
     *sample = (struct trk_sample){.sequence = ++reader->sequence};
-    if (!trk_clock_count(&reader->device, device_ns, lines, &sample->device_ns, out_error) ||
-        !trk_clock_count(&reader->host, host_ns, lines, &sample->arrival_ns, out_error))
+    if (!trk_log_clock_count(&reader->device, device_ns, lines, &sample->device_ns, out_error) ||
+        !trk_log_clock_count(&reader->host, host_ns, lines, &sample->arrival_ns, out_error))
         return false;
     for (int eye = 0; eye < 2; eye++) {
         bool valid;

@@ -35,7 +35,7 @@ struct reader {
     int recording, tracker, sensor, point[2], resolution[2];
     int eye[2][EYE_COLUMNS];
     double recording_unit_ns;
-    struct trk_clock device, host;
+    struct trk_log_clock device, host;
     size_t others;
     uint64_t sequence;
 };
@@ -156,8 +156,8 @@ static bool read_times(struct reader *reader, struct trk_sample *sample, char ou
     device_ns = host_ns;
     if (reader->tracker >= 0 && !trk_table_time(&reader->table, reader->tracker, 1e3, &device_ns, out_error))
         return false;
-    return trk_clock_count(&reader->device, device_ns, lines, &sample->device_ns, out_error) &&
-           trk_clock_count(&reader->host, host_ns, lines, &sample->arrival_ns, out_error);
+    return trk_log_clock_count(&reader->device, device_ns, lines, &sample->device_ns, out_error) &&
+           trk_log_clock_count(&reader->host, host_ns, lines, &sample->arrival_ns, out_error);
 }
 
 static bool read_row(struct reader *reader, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
