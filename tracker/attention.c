@@ -185,6 +185,7 @@ static void take(struct trk_attention *a, const struct trk_sample *sample)
     a->has_sample = true;
     a->live.sequence = sample->sequence;
     a->live.device_ns = sample->device_ns;
+    a->live.sensor_ns = sample->sensor_ns;
     a->live.arrival_ns = sample->arrival_ns;
     if (trk_gaze_direction(sample, head, &source)) {
         vec3 turned = {head[0], head[1], head[2]};

@@ -220,7 +220,8 @@ bool trk_gaze_direction(const struct trk_sample *sample, float out_head[3], cons
         if (right) glm_vec3_add(direction, (float *)sample->eye[1].direction, direction);
         if (left != right) source = left ? "left eye" : "right eye";
     }
-    if (!(glm_vec3_norm(direction) > 0.5f)) return false; /* nothing, or eyes that look apart */
+    float length = glm_vec3_norm(direction);
+    if (!(length > 0.5f && length < 3)) return false; /* nothing, eyes that look apart, or no numbers */
     glm_vec3_normalize_to(direction, out_head);
     if (out_source) *out_source = source;
     return true;
@@ -232,7 +233,7 @@ void trk_to_world(const struct trk_sample *sample, const float head[3], float ou
     if (sample->valid & TRK_HEAD) {
         versor pose; /* a copy: cglm's is aligned */
         memcpy(pose, &sample->head[3], sizeof pose);
-        glm_quat_rotatev(pose, direction, direction);
+        if (fabsf(glm_quat_norm(pose) - 1) <= 1e-2f) glm_quat_rotatev(pose, direction, direction);
         glm_vec3_normalize(direction);
     }
     memcpy(out_world, direction, sizeof direction);

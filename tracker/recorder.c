@@ -111,7 +111,7 @@ static void *write_all(void *argument)
     size_t count;
     while (take_batch(r, &count)) {
         size_t length = 0;
-        for (size_t i = 0; i < count; i++) length += trk_own_row(&r->batch[i], r->text + length);
+        for (size_t i = 0; i < count; i++) length += trk_own_row(&r->batch[i], true, r->text + length);
         bool ok = write_text(r, length);
         pthread_mutex_lock(&r->lock);
         *(ok ? &r->state.written : &r->state.dropped) += count;
@@ -172,7 +172,7 @@ struct trk_recorder *trk_recorder_open(const char *path, bool replace, char out_
     pthread_cond_init(&r->changed, &monotonic);
     pthread_condattr_destroy(&monotonic);
     r->sync_ns = trk_now_ns();
-    if (!write_text(r, trk_own_header(r->text))) {
+    if (!write_text(r, trk_own_header(true, r->text))) {
         memcpy(out_error, r->error, sizeof r->error);
         goto not_started;
     }

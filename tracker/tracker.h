@@ -1,7 +1,7 @@
 /* tracker: where the eye looks.
  *
- * A source delivers gaze samples: an eye tracker on HID or USB, a recorded log, a synthetic observer, a pointer
- * moved by a client. This folder knows nothing of pixels or sockets.
+ * A source delivers gaze samples: an eye tracker on HID or USB, a recorded log, a synthetic observer, a
+ * pointer moved by a client. This folder knows nothing of pixels or sockets.
  *
  * Conventions
  * - Frames follow OpenXR and glTF: right-handed, +X right, +Y up, -Z forward; metres, radians; quaternions
@@ -91,11 +91,12 @@ struct trk_log_options {
     double screen_fov_deg;
 };
 
-/* Read a log of any known format, told by what it begins with; gzip is unpacked. On failure returns false with
- * a line in out_error and leaves *out_log empty. Refused: what is no regular file, no rows, a header that is
- * unknown or may be of several formats, time or sequence going back, infinite numbers, directions that are not
- * of unit length where they should be, more than 64 Mi rows or 104 days, more than 4 GiB unpacked. Samples that
- * the tracker lost are in the log, without a direction. The caller frees with trk_log_finish(). */
+/* Read a log of any known format, told by what it begins with; gzip is unpacked. On failure returns false
+ * with a line in out_error and leaves *out_log empty. Refused: what is no regular file, no rows, a header
+ * that is unknown or may be of several formats, time or sequence going back, infinite numbers, directions
+ * that are not of unit length where they should be, more than 64 Mi rows or 104 days, more than 4 GiB
+ * unpacked. Samples that the tracker lost are in the log, without a direction. The caller frees with
+ * trk_log_finish(). */
 bool trk_log_read(const char *path, struct trk_log *out_log, char out_error[TRK_ERROR_SIZE]);
 
 /* The same, helped by options, which need to live only during the call. Options that are impossible, or that
@@ -125,7 +126,8 @@ struct trk_source_options {
     /* hid: what is known here goes before what the device says; what neither knows is that of a usual desk:
      * 0.531 x 0.299 m (24 inches) at 0.65 m. Sizes from 0.01 to 20 m. */
     struct trk_screen screen;
-    /* psvr2: a file with the user's calibration, as the device gave it once, which is sent to the device; NULL: none. */
+    /* psvr2: a file with the user's calibration, as the device gave it once, which is sent to the device;
+     * NULL: none. */
     const char *calibration;
     /* auto: the recording to replay when no device is present. */
     const char *fallback_log;
@@ -149,10 +151,10 @@ enum trk_result {
 
 /* Open a source. NULL and a line in out_error on failure. The caller closes it with trk_close().
  *
- * Devices are read by a thread of their own. One that is not there is waited for, one that is unplugged is looked for
- * again: reads then time out, after one sample without TRK_DIRECTION that says that gaze was lost; so does one
- * when a device falls silent. Time and sequence go on from one plugging to the next. One that is there and cannot be opened
- * is an error, which says what to do.
+ * Devices are read by a thread of their own. One that is not there is waited for, one that is unplugged is
+ * looked for again: reads then time out, after one sample without TRK_DIRECTION that says that gaze was lost;
+ * so does one when a device falls silent. Time and sequence go on from one plugging to the next. One that is
+ * there and cannot be opened is an error, which says what to do.
  *
  * auto takes the first device that opens. Without one it replays the recording, and says so, until a device
  * is plugged in and sees an eye: from then on it is that device's, and never goes back to the recording. When
@@ -169,9 +171,9 @@ const char *trk_describe(const struct trk_source *source);
 struct trk_status {
     /* trk_describe(), but of a device what is so now: which one it is, or what is waited for and why. */
     char description[TRK_ERROR_SIZE];
-    bool is_device;       /* this is of an eye tracker */
-    bool present;         /* it is plugged in and open */
-    unsigned changes;     /* counts whenever description does: a reader that has seen it need not look again */
+    bool is_device;   /* this is of an eye tracker */
+    bool present;     /* it is plugged in and open */
+    unsigned changes; /* counts whenever description does: a reader that has seen it need not look again */
     unsigned connections; /* how often a device was opened */
     uint64_t losses;      /* how often it fell silent or went */
     double rate_hz;       /* of its samples, lately; 0 is unknown */
@@ -223,8 +225,8 @@ enum trk_state {
     TRK_FIXATION, /* gaze rests, also while the head turns under it */
     TRK_PURSUIT,  /* gaze moves on smoothly */
     TRK_SACCADE,  /* gaze jumps */
-    TRK_BLINK,    /* no eye is seen, for its lid or for so short that it may be one; or it has just reopened */
-    TRK_LOST,     /* no eye is seen */
+    TRK_BLINK, /* no eye is seen, for its lid or for so short that it may be one; or it has just reopened */
+    TRK_LOST,  /* no eye is seen */
     TRK_FALLBACK, /* no gaze was ever seen, or so long ago that the view's centre is the better guess */
     TRK_FROZEN,   /* a user wants it to stay */
 };
@@ -243,34 +245,35 @@ struct trk_event {
 
 struct trk_events {
     size_t count;
-    struct trk_event *events; /* count of them, in order of time, never overlapping; owned by this */
+    struct trk_event *events;    /* count of them, in order of time, never overlapping; owned by this */
     size_t counts[TRK_LOST + 1]; /* of each type */
-    double noise_deg;            /* of the measured directions while gaze rests: standard deviation of an axis */
+    double noise_deg; /* of the measured directions while gaze rests: standard deviation of an axis */
 };
 
 /* What happens in a log, by the classifier of trk_attend(): fixations of at least 100 ms, saccades, pursuit,
  * blinks (the lid is down, or nothing is seen for 75 to 900 ms) and losses. Gaps shorter than 75 ms are
- * bridged; a blink takes 75 ms before and 150 ms after it with it. False when memory is short. The caller frees
- * with trk_events_finish(). */
+ * bridged; a blink takes 75 ms before and 150 ms after it with it. False when memory is short. The caller
+ * frees with trk_events_finish(). */
 bool trk_events_find(const struct trk_log *log, struct trk_events *out_events);
 void trk_events_finish(struct trk_events *events);
 
-/* --- from samples to a gaze to render for ---------------------------------------------------------------- */
+/* --- from samples to a gaze to render for ----------------------------------------------------------------
+ */
 
 struct trk_attention;
 
 struct trk_attention_options {
-    bool raw;               /* no filter and no dead zone: the direction as measured */
-    bool predict;           /* during a saccade, aim at where it will land */
-    bool silence_is_rest;   /* the source speaks only when gaze moves (a pointer): silence is no loss */
+    bool raw;             /* no filter and no dead zone: the direction as measured */
+    bool predict;         /* during a saccade, aim at where it will land */
+    bool silence_is_rest; /* the source speaks only when gaze moves (a pointer): silence is no loss */
 };
 
 struct trk_gaze {
-    uint64_t sequence;              /* of the newest sample it answers; 0 before the first */
-    uint64_t device_ns, arrival_ns; /* of that sample */
-    uint64_t time_ns;               /* now_ns of the call that decided it */
-    float direction[3];             /* what to render for: unit, world */
-    float spread;                   /* how many times wider than usual the fovea should be: 1 to 4 */
+    uint64_t sequence;                         /* of the newest sample it answers; 0 before the first */
+    uint64_t device_ns, sensor_ns, arrival_ns; /* of that sample */
+    uint64_t time_ns;                          /* now_ns of the call that decided it */
+    float direction[3];                        /* what to render for: unit, world */
+    float spread; /* how many times wider than usual the fovea should be: 1 to 4 */
     enum trk_state state;
     const char *source; /* where the direction comes from: "both eyes", "left eye", "right eye", "prediction",
                          * "last gaze", "view centre" */
@@ -285,9 +288,9 @@ struct trk_gaze {
 struct trk_attention *trk_attention_create(const struct trk_attention_options *options);
 void trk_attention_destroy(struct trk_attention *attention);
 
-/* Decide what to render for. Call it with every sample, in order, and with NULL from time to time (every 50 ms
- * will do) while none comes: only so is silence noticed. now_ns is on the clock of arrival_ns and never goes
- * back. The same calls give the same answers. Takes no lock and no memory. */
+/* Decide what to render for. Call it with every sample, in order, and with NULL from time to time (every 50
+ * ms will do) while none comes: only so is silence noticed. now_ns is on the clock of arrival_ns and never
+ * goes back. The same calls give the same answers. Takes no lock and no memory. */
 void trk_attend(struct trk_attention *attention, const struct trk_sample *sample_or_null, uint64_t now_ns,
                 struct trk_gaze *out_gaze);
 
@@ -297,12 +300,13 @@ void trk_attention_freeze(struct trk_attention *attention, bool frozen);
 /* Where the view's centre is when no head pose says so: an orientation (x, y, z, w), view to world. */
 void trk_attention_view(struct trk_attention *attention, const float orientation[4]);
 
-/* --- recentring ------------------------------------------------------------------------------------------ */
+/* --- recentring ------------------------------------------------------------------------------------------
+ */
 
-/* Declare that the eye looks at target now (unit, world; NULL: the view's centre), for a headset that has slipped.
- * The rotation that takes the measured gaze there is applied, in the head frame, to all gaze from now on;
- * it replaces the one before. False with a line in out_error, and nothing changed: gaze is not at rest, or it
- * would be a turn by more than 20 degrees. */
+/* Declare that the eye looks at target now (unit, world; NULL: the view's centre), for a headset that has
+ * slipped. The rotation that takes the measured gaze there is applied, in the head frame, to all gaze from
+ * now on; it replaces the one before. False with a line in out_error, and nothing changed: gaze is not at
+ * rest, or it would be a turn by more than 20 degrees. */
 bool trk_recentre(struct trk_attention *attention, const float *target_or_null,
                   char out_error[TRK_ERROR_SIZE]);
 /* The rotation in use (x, y, z, w), identity without one. */
@@ -314,7 +318,8 @@ bool trk_recentre_set(struct trk_attention *attention, const float rotation[4]);
 bool trk_recentre_save(const char *path, const float rotation[4], char out_error[TRK_ERROR_SIZE]);
 bool trk_recentre_load(const char *path, float out_rotation[4], char out_error[TRK_ERROR_SIZE]);
 
-/* --- recording ------------------------------------------------------------------------------------------- */
+/* --- recording -------------------------------------------------------------------------------------------
+ */
 
 struct trk_recorder;
 
@@ -326,18 +331,19 @@ struct trk_recorder_state {
 };
 
 /* Record samples in the project's own log format, every field that is valid and both clocks. Every row is in
- * the file within a tenth of a second and on the disk within a second or so; after a crash trk_log_read() reads what
- * there is. An existing file is refused, unless replace is set, and one that is being recorded always.
- * NULL and a line in out_error on failure. */
+ * the file within a tenth of a second and on the disk within a second or so; after a crash trk_log_read()
+ * reads what there is. An existing file is refused, unless replace is set, and one that is being recorded
+ * always. NULL and a line in out_error on failure. */
 struct trk_recorder *trk_recorder_open(const char *path, bool replace, char out_error[TRK_ERROR_SIZE]);
 
-/* Hand over a sample. Never waits for the disk: a thread of the recorder's own writes. Any thread may call. */
+/* Hand over a sample. Never waits for the disk: a thread of the recorder's own writes. Any thread may call.
+ */
 void trk_recorder_append(struct trk_recorder *recorder, const struct trk_sample *sample);
 
 void trk_recorder_look(struct trk_recorder *recorder, struct trk_recorder_state *out_state);
 
-/* Write what is left, to the disk, and free. False, with a line in out_error, if anything could not be written. Accepts
- * NULL. out_state may be NULL. */
+/* Write what is left, to the disk, and free. False, with a line in out_error, if anything could not be
+ * written. Accepts NULL. out_state may be NULL. */
 bool trk_recorder_close(struct trk_recorder *recorder, struct trk_recorder_state *out_state,
                         char out_error[TRK_ERROR_SIZE]);
 

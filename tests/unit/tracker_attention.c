@@ -424,6 +424,29 @@ static void repeats_itself(void **state)
     trk_log_finish(&log);
 }
 
+/* Whatever the bytes of a sample are, the answer is a direction. */
+static void anything(void **state)
+{
+    (void)state;
+    uint64_t seed = 1, arrival_ns = 0;
+    for (int i = 0; i < 200000; i++) {
+        struct trk_sample s;
+        unsigned char bytes[sizeof s];
+        for (size_t k = 0; k < sizeof bytes; k++)
+            bytes[k] = (unsigned char)((seed = seed * 6364136223846793005 + 1442695040888963407) >> 56);
+        memcpy(&s, bytes, sizeof s);
+        if (i % 2) s.device_ns = (uint64_t)i * 8333333; /* else time leaps */
+        if (i % 3) at((double)(seed >> 40) / 1e5, 20, s.direction);
+        if (i % 5) s.head[3] = s.head[4] = s.head[5] = 0, s.head[6] = 1;
+        s.arrival_ns = arrival_ns += seed >> 38;
+        take(&s);
+        assert_float_equal(glm_vec3_norm(gaze.direction), 1, 1e-4);
+        assert_true(gaze.spread >= 1 && gaze.spread <= 4 && gaze.noise_deg > 0 && gaze.noise_deg < 180);
+        assert_non_null(gaze.why);
+        assert_non_null(gaze.source);
+    }
+}
+
 /* --- recentring ----------------------------------------------------------------------------------------- */
 
 static void recentring(void **state)
@@ -539,6 +562,7 @@ int main(void)
         TEST(head_turns),
         TEST(prediction),
         TEST(repeats_itself),
+        TEST(anything),
         TEST(recentring),
         TEST(recentring_turns_with_the_head),
         TEST(recentre_file),

@@ -72,6 +72,9 @@ static void records_every_field(void **state)
     struct trk_log log;
     struct trk_recorder_state after;
     assert_true(trk_synthesise(4, 20, &log));
+    log.samples[7].valid |= TRK_SCREEN;
+    log.samples[7].screen[0] = 0.25f;
+    log.samples[7].screen[1] = -0.1f;
     struct trk_recorder *recorder = open_new(false);
     for (size_t i = 0; i < log.count; i++) trk_recorder_append(recorder, &log.samples[i]);
     assert_true(trk_recorder_close(recorder, &after, error));
@@ -217,8 +220,12 @@ static void torn_anywhere(void **state)
         assert_int_equal(stat(path, n == 10 ? &less : &whole), 0);
     }
     for (off_t size = whole.st_size - 1; size >= less.st_size; size--) {
+        struct trk_log back;
         assert_int_equal(truncate(path, size), 0);
         reads_as(log.samples, 10);
+        assert_true(trk_log_read(path, &back, error));
+        assert_string_equal(back.assumed, size > less.st_size ? "line 13 was cut off and is left out" : "");
+        trk_log_finish(&back);
     }
     trk_log_finish(&log);
 }

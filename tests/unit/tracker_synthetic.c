@@ -203,6 +203,42 @@ static void blinks_noise_and_dropouts(void **state)
     assert_true(low > 0.85 * seen);
 }
 
+/* The truth is what the samples are made from: without noise and bias they say the same, and a saccade sets
+ * out and lands where and when the truth has it. */
+static void tells_the_truth(void **state)
+{
+    (void)state;
+    struct trk_observer observer;
+    struct trk_sample sample;
+    struct trk_truth truth, before = {0};
+    int saccades = 0, blinks = 0;
+    trk_observer_init_with(&observer, 15, 1000, 0, 0);
+    for (int i = 0; i < 60 * 1000; i++) {
+        float world[3];
+        trk_observer_next(&observer, &sample);
+        trk_observer_truth(&observer, &truth);
+        assert_int_equal(sample.device_ns, (uint64_t)i * 1000000);
+        assert_int_equal(truth.is_hidden, !trk_world_direction(&sample, world));
+        if (!truth.is_hidden) assert_true(angle_deg(world, truth.direction) < 0.005);
+        assert_true(truth.is_hidden || !truth.is_blink);
+        blinks += truth.is_blink && !before.is_blink;
+        double t_s = i / 1000.0;
+        if (i > 0 && truth.is_saccade && before.is_saccade && truth.saccade_number == before.saccade_number) {
+            double speed = angle_deg(truth.direction, before.direction) * 1000;
+            bool fast = t_s - 0.002 > truth.onset_s && t_s + 0.001 < truth.end_s;
+            bool slow = t_s + 0.001 < truth.onset_s || t_s - 0.002 > truth.end_s;
+            assert_true(!fast || speed > 29 || truth.amplitude_deg < 0.4);
+            assert_true(!slow || speed < 31 || truth.amplitude_deg < 0.4);
+        }
+        if (before.is_saccade && !truth.is_saccade) {
+            assert_true(angle_deg(before.landing, truth.direction) < 0.2);
+            saccades++;
+        }
+        before = truth;
+    }
+    assert_true(saccades > 100 && blinks > 5);
+}
+
 /* Over an hour gaze has been all around, near the horizon at least. */
 static void goes_all_around(void **state)
 {
@@ -227,10 +263,15 @@ static void goes_all_around(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(same_seed_same_samples),      cmocka_unit_test(no_length_no_log),
-        cmocka_unit_test(source_is_the_same_observer), cmocka_unit_test(saccades_are_on_the_main_sequence),
-        cmocka_unit_test(fixations_and_saccades),      cmocka_unit_test(gaze_is_stable_while_the_head_moves),
-        cmocka_unit_test(blinks_noise_and_dropouts),   cmocka_unit_test(goes_all_around),
+        cmocka_unit_test(same_seed_same_samples),
+        cmocka_unit_test(no_length_no_log),
+        cmocka_unit_test(source_is_the_same_observer),
+        cmocka_unit_test(saccades_are_on_the_main_sequence),
+        cmocka_unit_test(fixations_and_saccades),
+        cmocka_unit_test(gaze_is_stable_while_the_head_moves),
+        cmocka_unit_test(blinks_noise_and_dropouts),
+        cmocka_unit_test(goes_all_around),
+        cmocka_unit_test(tells_the_truth),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -97,7 +97,7 @@ static bool read_header(struct trk_lines *lines, size_t *out_columns, char out_e
 
     char *fields[TRK_MAX_FIELDS];
     size_t count = trk_split(lines->text, SEPARATOR, fields);
-    *out_columns = count > PLAIN ? WITH_SCREEN : PLAIN;
+    *out_columns = count >= WITH_SCREEN ? WITH_SCREEN : PLAIN;
     for (size_t i = 0; i < *out_columns; i++)
         if (i >= count || strcmp(fields[i], column_name(i)) != 0)
             return trk_lines_fail(lines, out_error, "header has '%.40s' as column %zu, expected '%s'",
