@@ -145,7 +145,7 @@ static bool read_layout(const struct layout *layout, struct trk_reading *reading
         if (!read_row(&reader, &sample, out_error) || !trk_log_append(reading, &sample, out_error))
             return false;
     }
-    if (reader.clock.held) trk_assume(reading, "%zu times that go back were held", reader.clock.held);
+    if (reader.clock.held) trk_assume(reading, "times that go back, held: %zu", reader.clock.held);
     return true;
 }
 

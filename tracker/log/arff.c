@@ -138,7 +138,7 @@ static bool read_rows(struct reader *reader, struct trk_reading *reading, char o
             return false;
     }
     if (reader->place[X_HEAD] >= 0) trk_assume(reading, "a positive roll is the head's tilt to the left");
-    if (reader->clock.held) trk_assume(reading, "%zu times that go back were held", reader->clock.held);
+    if (reader->clock.held) trk_assume(reading, "times that go back, held: %zu", reader->clock.held);
     return true;
 }
 

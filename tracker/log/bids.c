@@ -231,7 +231,7 @@ static bool read_bids(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE
     enum trk_line line = trk_table_split(&reader.table, out_error);
     for (; line == TRK_LINE; line = trk_table_next(&reader.table, out_error))
         if (!read_row(&reader, out_error)) return false;
-    if (reader.clock.held) trk_assume(reading, "%zu times that go back were held", reader.clock.held);
+    if (reader.clock.held) trk_assume(reading, "times that go back, held: %zu", reader.clock.held);
     return line == TRK_LINE_END;
 }
 

@@ -1,20 +1,20 @@
 /* EyeLink's ASC files, as edf2asc writes them: lines of tabs and spaces.
  *
- *   ** ...                                   comments at the start
+ *   ** ...                                                 comments at the start
  *   MSG <ms> GAZE_COORDS <left> <top> <right> <bottom>     the screen in pixels; older DISPLAY_COORDS
- *   SAMPLES GAZE LEFT RIGHT RATE 1000.00 ... what samples hold and how often
- *   1408660   964.3  541.5  288.0   960.5  538.8  305.0  .....   ms, then x, y and pupil of each eye; `.` is
- * lost SBLINK L <ms>, EBLINK L <ms> <ms> ..., and other events END <ms> SAMPLES EVENTS RES 35.18 35.14 pixels
- * a degree across and down, on average
+ *   SAMPLES GAZE LEFT RIGHT RATE 1000.00 ...               what samples hold, and how often
+ *   1408660  964.3 541.5 288.0  960.5 538.8 305.0  .....   ms; x, y and pupil of each eye, `.` is lost
+ *   SBLINK L <ms>, EBLINK L <ms> <ms> ...                  and other events
+ *   END <ms> SAMPLES EVENTS RES 35.18 35.14                pixels a degree across and down, on average
  *
  * Times are whole ms, or at 2000 Hz either halves or every ms twice: of equal times the later ones are moved
- * by what the rate says. Pixels count from the top left corner, so that x is to the right and y down; the
- * real recordings agree: in their calibration points the target at the left has the smaller x, and blinks, in
- * which the lid covers the pupil from above, drive y downwards before the eye is lost. The screen's angle
- * follows from RES, unless options say another; without both from a default. The pupil has arbitrary units
- * and is left out. A closed eye is marked by openness 0; outside of blinks nothing is said about it. Only
- * GAZE samples have a place on the screen: files with HREF or PUPIL ones are refused. Between recordings
- * (START to END) time goes on and no sample is lost. */
+ * by what the rate says. Pixels count from the top left corner, so that x is to the right and y down. A real
+ * blink agrees: as the lid closes, eyes roll down and towards the nose, and there the right eye's y grows
+ * and its x falls before it is lost (the test looks at it). The screen's angle follows from RES, unless
+ * options say another; without both it is a default. The pupil has arbitrary units and is left out. A closed
+ * eye is marked by openness 0; outside of blinks nothing is said about it. Only GAZE samples have a place on
+ * the screen: files with HREF or PUPIL ones are refused. Between recordings (START to END) time goes on and
+ * no sample is lost. */
 #include "log/formats.h"
 
 #include <ctype.h>
@@ -193,9 +193,9 @@ static bool read_eyelink(struct trk_reading *reading, char out_error[TRK_ERROR_S
     if (line == TRK_LINE_FAILED) return false;
     if (reader.spread)
         trk_assume(reading,
-                   "%zu samples share their millisecond with the one before and were spread evenly at %g Hz",
-                   reader.spread, reader.rate_hz);
-    if (reader.clock.held) trk_assume(reading, "%zu times that go back were held", reader.clock.held);
+                   "samples with the same millisecond as the one before, spread evenly at %g Hz: %zu",
+                   reader.rate_hz, reader.spread);
+    if (reader.clock.held) trk_assume(reading, "times that go back, held: %zu", reader.clock.held);
     return turn_samples(&reader, out_error);
 }
 

@@ -1,8 +1,7 @@
 /* Logs of Gazepoint trackers: the CSV export, and records of the Open Gaze API as they came over the socket.
  *
- *   MEDIA_ID,MEDIA_NAME,CNT,TIME(2020/01/31
- * 10:00:00.000),TIMETICK(f=10000000),FPOGX,...,BPOGX,BPOGY,BPOGV,... <REC CNT="34" TIME="0.5" TIME_TICK="463"
- * BPOGX="0.5" BPOGY="0.5" BPOGV="1" ... />
+ *   MEDIA_ID,MEDIA_NAME,CNT,TIME(<when it began>),TIMETICK(f=10000000),FPOGX,...,BPOGX,BPOGY,BPOGV,...
+ *   <REC CNT="34" TIME="0.5" TIME_TICK="463" BPOGX="0.5" BPOGY="0.5" BPOGV="1" ... />
  *
  * Points of gaze are shares of the screen from its top left corner, x to the right and y down (the API's
  * manual; no recording was at hand that could show it, and the rows of the tests are made), and may leave

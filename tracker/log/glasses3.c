@@ -74,7 +74,7 @@ static bool read_glasses3(struct trk_reading *reading, char out_error[TRK_ERROR_
         json_decref(root);
         if (!ok) return false;
     }
-    if (clock.held) trk_assume(reading, "%zu times that go back were held", clock.held);
+    if (clock.held) trk_assume(reading, "times that go back, held: %zu", clock.held);
     return line == TRK_LINE_END;
 }
 

@@ -122,7 +122,7 @@ static void put_in_order(struct trk_reading *reading)
     if (!reading->disordered || log->count == 0) return;
     if (reading->late) {
         qsort(log->samples, log->count, sizeof *log->samples, by_time);
-        trk_assume(reading, "%zu rows came out of order and were sorted by time", reading->late);
+        trk_assume(reading, "rows out of order, sorted by time: %zu", reading->late);
     }
     uint64_t first_ns = log->samples[0].device_ns;
     for (size_t i = 0; i < log->count; i++) {

@@ -82,7 +82,7 @@ static bool read_pico(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE
             return false;
     }
     if (reader.table.was_comma) trk_assume(reading, "commas in numbers are decimal");
-    if (reader.clock.held) trk_assume(reading, "%zu times that go back were held", reader.clock.held);
+    if (reader.clock.held) trk_assume(reading, "times that go back, held: %zu", reader.clock.held);
     return true;
 }
 

@@ -10,11 +10,11 @@
  * a lost sample. No such file was at hand whole: rows of the tests are made from the documentation and two
  * quoted rows.
  *
- * Cloud. timestamp [ns] is of the Unix epoch; azimuth and elevation are degrees from the scene camera's axis.
- * With the real recording: azimuth grows with gaze x [px] and elevation falls with gaze y [px], which counts
- * from the picture's top; and while the head turns, eyes turn against it: gaze falls behind the gyroscope of
- * the same recording with these signs (the test measures it). Samples that have a blink id are of a closed
- * eye and count as lost; so do those of glasses that are not worn. */
+ * Cloud. timestamp [ns] is of the Unix epoch; azimuth and elevation are degrees from the scene camera's axis,
+ * to the right and up. In the real recording azimuth grows with gaze x [px] and elevation falls as gaze y
+ * [px] grows, which count from the picture's top left corner; and while the head turns to the right, by the
+ * gyroscope of the same recording, azimuth falls: the eye stays behind (the test measures both). Samples that
+ * have a blink id are of a closed eye and count as lost; so do those of glasses that are not worn. */
 #include "log/formats.h"
 
 #include <math.h>
@@ -116,8 +116,8 @@ static bool read_core(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE
             return false;
     }
     if (core.doubtful)
-        trk_assume(reading, "%zu samples of confidence below %g count as lost", core.doubtful,
-                   MIN_CONFIDENCE);
+        trk_assume(reading, "samples of confidence below %g, counted as lost: %zu", MIN_CONFIDENCE,
+                   core.doubtful);
     return true;
 }
 
@@ -180,8 +180,8 @@ static bool read_cloud(struct trk_reading *reading, char out_error[TRK_ERROR_SIZ
         }
         if (!trk_log_append(reading, &sample, out_error)) return false;
     }
-    if (blinks) trk_assume(reading, "%zu samples in blinks count as lost", blinks);
-    if (clock.held) trk_assume(reading, "%zu times that go back were held", clock.held);
+    if (blinks) trk_assume(reading, "samples in blinks, counted as lost: %zu", blinks);
+    if (clock.held) trk_assume(reading, "times that go back, held: %zu", clock.held);
     return true;
 }
 

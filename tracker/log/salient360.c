@@ -172,7 +172,7 @@ static bool read_rows(struct reader *reader, struct trk_reading *reading, char o
         if (!read_row(reader, &sample, out_error) || !trk_log_append(reading, &sample, out_error))
             return false;
     }
-    if (reader->mended) trk_assume(reading, "a comma was put back in each of %zu rows", reader->mended);
+    if (reader->mended) trk_assume(reading, "rows whose missing comma was put back: %zu", reader->mended);
     if (reader->device.held + reader->host.held)
         trk_assume(reading, "times that go back were held (%zu of the tracker, %zu of the host)",
                    reader->device.held, reader->host.held);

@@ -196,7 +196,7 @@ static bool read_tobii_lab(struct trk_reading *reading, char out_error[TRK_ERROR
         if (!read_row(&reader, &sample, out_error) || !trk_log_append(reading, &sample, out_error))
             return false;
     }
-    if (reader.others) trk_assume(reading, "%zu rows of other sensors were skipped", reader.others);
+    if (reader.others) trk_assume(reading, "rows of other sensors, skipped: %zu", reader.others);
     if (reader.table.was_comma) trk_assume(reading, "commas in numbers are decimal");
     return true;
 }
