@@ -39,8 +39,8 @@ done
 say "20 seconds of gaze"
 $foveactl watch --until-finished
 say "pictures"
-$foveactl snapshot out/preview.png --view gaze,90 --exposure auto
-$foveactl snapshot out/panorama.png --exposure auto
+$foveactl snapshot out/preview.png --view gaze,90
+$foveactl snapshot out/panorama.png
 $foveactl save out/panorama.exr
 build/demo/foveactl samples out/panorama.exr out/samples.png --gaze fixtures/hall.gaze
 kill "$daemon"

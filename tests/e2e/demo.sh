@@ -1,0 +1,12 @@
+#!/bin/sh
+# The first of the two commands, in a tree of its own: what it promises to leave is there and holds a picture.
+set -eu
+programs=$1 tree=$2
+copy=$(mktemp -d)
+trap 'rm -rf "$copy"' EXIT
+for entry in CMakeLists.txt daemon fixtures protocol renderer tests tracker; do cp -r "$tree/$entry" "$copy/$entry"; done
+sh "$copy/daemon/demo.sh"
+"$programs/e2e_picture" "$copy/out/panorama.exr" 4096 2048
+for made in preview.png panorama.png samples.png summary.json; do
+    [ -s "$copy/out/$made" ] || { echo "the demonstration left no out/$made" >&2; exit 1; }
+done
