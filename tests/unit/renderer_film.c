@@ -317,7 +317,7 @@ static void error_is_true(void **state)
     struct rnd_batch batch;
     for (int i = 0; i < 16; i++) rnd_render_batch(render, &aim, 1, W * H, &batch);
     rnd_render_resolve(render, few, NULL, stated);
-    for (int i = 0; i < 30; i++) rnd_render_batch(render, &aim, 1, 16 * W * H, &batch);
+    for (int i = 0; i < 10; i++) rnd_render_batch(render, &aim, 1, 16 * W * H, &batch);
     rnd_render_resolve(render, many, NULL, NULL);
     rnd_render_destroy(render);
     double measured = 0.0, by_halves = 0.0;
