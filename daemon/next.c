@@ -12,6 +12,15 @@
 /* Levels of at most so many tiles go whole before anything is refined: a picture of 512 x 256 pixels. */
 enum { COARSE_TILES = 32 };
 
+/* Paths a pixel that a tile must have before it hides the coarser one. Of the finest levels more is asked: with fewer,
+ * four times as many in a pixel of twice the size show more than the detail that drowns in noise. */
+enum { FINE_LEVELS = 3, FINE_PATHS = 4, COARSE_PATHS = 1 };
+
+static uint64_t enough(int level)
+{
+    return (uint64_t)(level < FINE_LEVELS ? FINE_PATHS : COARSE_PATHS) * RND_TILE * RND_TILE;
+}
+
 /* How much has to change before a tile is worth sending again: noise falls with the root of the paths, and
  * the eye does not see less than a fifth of it go; a tile that settled is as good as seen, so its last state
  * goes sooner. */
@@ -190,7 +199,7 @@ static struct shown walk(struct search *search, int level, int x, int y, bool ab
     size_t index = index_of(pyramid, level, x, y);
     const struct dmn_state *now = &pyramid->state[index], *sent = &search->sent[index];
     bool coarsest = level == pyramid->levels - 1;
-    bool ready = now->samples >= (coarsest ? 1 : RND_TILE * RND_TILE), has = sent->samples > 0;
+    bool ready = now->samples >= (coarsest ? 1 : enough(level)), has = sent->samples > 0;
     struct shown finer = {level > 0, level > 0};
 
     for (int child = 0; level > 0 && child < 4; child++) {

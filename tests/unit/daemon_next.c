@@ -9,7 +9,7 @@
 
 #include "daemon.h"
 
-enum { WIDTH = 4096, HEIGHT = 2048, LEVELS = 6, LIMIT = 4096, PIXELS = RND_TILE * RND_TILE };
+enum { WIDTH = 4096, HEIGHT = 2048, LEVELS = 6, LIMIT = 4096, ENOUGH = 4 * RND_TILE * RND_TILE };
 
 static const float FORWARD[3] = {0, 0, -1};
 
@@ -129,7 +129,7 @@ static void a_fine_picture_ends_fine_everywhere(void **state)
     struct world *world = *state;
     size_t fine = (size_t)world->pyramid.level[0].columns * world->pyramid.level[0].rows;
 
-    paint(world, 2 * PIXELS);
+    paint(world, 2 * ENOUGH);
     /* Coarse levels once, then all of level 0, and nothing in between that it would hide at once. */
     assert_int_equal(send_until_done(world, FORWARD), 2 + 8 + 32 + fine);
     assert_true(covered(world, 0));
@@ -141,7 +141,7 @@ static void finer_tiles_follow_the_gaze(void **state)
     const float gaze[3] = {1, 0, 0};
     double last = 0;
 
-    paint(world, 2 * PIXELS);
+    paint(world, 2 * ENOUGH);
     choose(world, gaze, 42);
     send_all(world);
     choose(world, gaze, 200);
@@ -164,9 +164,9 @@ static void the_best_few_are_the_head_of_all(void **state)
     struct world *world = *state;
     struct dmn_place few[50];
 
-    paint(world, 2 * PIXELS);
+    paint(world, 2 * ENOUGH);
     for (size_t i = 0; i < world->pyramid.level[0].first + 700; i++)
-        world->tiles[i].samples += i % 7 * PIXELS;
+        world->tiles[i].samples += i % 7 * ENOUGH;
     choose(world, FORWARD, 50);
     assert_int_equal(world->count, 50);
     memcpy(few, world->places, sizeof(few));
@@ -181,8 +181,8 @@ static void a_sparse_tile_is_sent_coarser(void **state)
 {
     struct world *world = *state;
 
-    /* A quarter of a path a pixel: one a pixel at level 1. */
-    paint(world, PIXELS / 4);
+    /* A quarter of what level 0 wants is enough at level 1. */
+    paint(world, ENOUGH / 4);
     send_until_done(world, FORWARD);
     assert_true(covered(world, 1));
     assert_int_equal(world->sent[0].samples, 0);
@@ -192,12 +192,12 @@ static void growth_sends_again_and_nothing_else_does(void **state)
 {
     struct world *world = *state;
 
-    paint(world, 2 * PIXELS);
+    paint(world, 2 * ENOUGH);
     send_until_done(world, FORWARD);
-    world->tiles[700].samples = 3 * PIXELS - 1;
+    world->tiles[700].samples = 3 * ENOUGH - 1;
     choose(world, FORWARD, LIMIT);
     assert_int_equal(world->count, 0);
-    world->tiles[700].samples = 3 * PIXELS;
+    world->tiles[700].samples = 3 * ENOUGH;
     choose(world, FORWARD, LIMIT);
     assert_int_equal(world->count, 1);
     assert_int_equal(world->places[0].level, 0);
@@ -212,24 +212,24 @@ static void a_settled_tile_is_sent_once(void **state)
 {
     struct world *world = *state;
 
-    paint(world, 100 * PIXELS);
+    paint(world, 100 * ENOUGH);
     send_until_done(world, FORWARD);
     /* The gaze comes and goes, and with it the mark: that alone is no news. */
     world->settled[3] = true;
     choose(world, FORWARD, LIMIT);
     assert_int_equal(world->count, 0);
-    world->tiles[3].samples += 11 * PIXELS;
+    world->tiles[3].samples += 11 * ENOUGH;
     choose(world, FORWARD, LIMIT);
     assert_int_equal(world->count, 1);
     send_all(world);
-    world->tiles[3].samples += PIXELS;
+    world->tiles[3].samples += ENOUGH;
     choose(world, FORWARD, LIMIT);
     assert_int_equal(world->count, 0);
     world->tiles[3].converged = true;
     choose(world, FORWARD, LIMIT);
     assert_int_equal(world->count, 1);
     send_all(world);
-    world->tiles[3].samples += PIXELS;
+    world->tiles[3].samples += ENOUGH;
     choose(world, FORWARD, LIMIT);
     assert_int_equal(world->count, 0);
 }
@@ -238,11 +238,11 @@ static void a_new_tile_goes_before_a_known_one(void **state)
 {
     struct world *world = *state;
 
-    paint(world, 2 * PIXELS);
+    paint(world, 2 * ENOUGH);
     send_until_done(world, FORWARD);
     /* Two tiles that touch the gaze, one of them lost to the client. */
     size_t known = 15 * 64 + 31, fresh = 15 * 64 + 32;
-    world->tiles[known].samples = world->tiles[fresh].samples = 9 * PIXELS;
+    world->tiles[known].samples = world->tiles[fresh].samples = 9 * ENOUGH;
     world->sent[fresh].samples = 0;
     choose(world, FORWARD, LIMIT);
     assert_int_equal(world->count, 2);
@@ -258,10 +258,10 @@ static void sizes_that_are_no_power_of_two(void **state)
     assert_int_equal(world->pyramid.level[1].rows, 3);
     assert_int_equal(world->pyramid.level[2].columns, 3);
     assert_int_equal(world->pyramid.level[2].rows, 2);
-    paint(world, PIXELS);
+    paint(world, ENOUGH);
     dmn_pyramid_update(&world->pyramid, world->tiles, world->settled);
     /* The last row of level 1 has two tiles of the film under it, not four. */
-    assert_int_equal(world->pyramid.state[world->pyramid.level[1].first + 2 * 5].samples, 2 * PIXELS);
+    assert_int_equal(world->pyramid.state[world->pyramid.level[1].first + 2 * 5].samples, 2 * ENOUGH);
     send_until_done(world, FORWARD);
     assert_true(covered(world, 0));
     teardown((void **)&world);
@@ -279,7 +279,7 @@ static void every_film_gets_there_from_any_state(void **state)
         rnd_direction((float)rand() / (float)RAND_MAX * 6 - 3, (float)rand() / (float)RAND_MAX * 3 - 1.5f,
                       gaze);
         for (int i = 0; i < 2048; i++)
-            if (rand() % 4 == 0) world->tiles[i].samples += (uint64_t)rand() % (3 * PIXELS);
+            if (rand() % 4 == 0) world->tiles[i].samples += (uint64_t)rand() % (3 * ENOUGH);
         choose(world, gaze, 8);
         for (size_t i = 1; i < world->count; i++)
             assert_true(world->places[i].rank >= world->places[i - 1].rank);
@@ -287,7 +287,7 @@ static void every_film_gets_there_from_any_state(void **state)
         /* Once the two coarsest went, nothing is ever black. */
         if (round > 4) assert_true(covered(world, LEVELS - 1));
     }
-    paint(world, 1000 * PIXELS);
+    paint(world, 1000 * ENOUGH);
     send_until_done(world, FORWARD);
     assert_true(covered(world, 0));
 }
