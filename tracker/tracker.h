@@ -210,6 +210,11 @@ enum trk_result trk_read(struct trk_source *source, uint64_t until_ns, struct tr
  * dropped and their sequence numbers with them. A time before the last one counts as the last one. */
 bool trk_push(struct trk_source *source, const float direction[3], uint64_t time_ns);
 
+/* Ask the system to run the calling thread soon after it is woken, even while others compute: for a thread that
+ * does nothing but wait for gaze and pass it on. It needs no rights, and where it is not known (Linux before
+ * 6.12) nothing changes. */
+void trk_be_prompt(void);
+
 /* Wake a trk_read() that waits in another thread; it returns TRK_TIMEOUT. When none waits, the next one
  * that would wait returns at once instead. */
 void trk_interrupt(struct trk_source *source);

@@ -241,6 +241,7 @@ static bool is_stopped(struct trk_device *device)
 static void *run(void *argument)
 {
     struct trk_device *device = argument;
+    trk_be_prompt();
     while (!is_stopped(device)) {
         if (device->state) {
             step(device);

@@ -1,0 +1,44 @@
+/* fake: eye trackers in umockdev's test bed, for unmodified programs that are run under its preload library.
+ *
+ * The bed answers as the kernel would: sysfs, uevents, hidraw and usbfs nodes. A node here is a link to a
+ * pseudo-terminal of our own, since umockdev's can neither be waited for nor unplugged: one byte waits in it
+ * for every report, and closing it is the unplugging. A thread for each device sends reports at its rate,
+ * stamped with CLOCK_MONOTONIC in microseconds. */
+#ifndef FOVEAD_TEST_FAKE_H
+#define FOVEAD_TEST_FAKE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct fake;        /* the test bed */
+struct fake_device; /* something plugged into it */
+
+enum fake_kind {
+    FAKE_HID,     /* a page 0x12 tracker with the reference descriptor; gaze goes around a circle */
+    FAKE_GARBAGE, /* the same descriptor, and random bytes as reports, of random length */
+    FAKE_BROKEN,  /* a descriptor that says it is an eye tracker and is cut off */
+    FAKE_PSVR2,
+    FAKE_KINDS
+};
+extern const char *const fake_kind_names[FAKE_KINDS];
+
+/* What the HID tracker says of its screen, and the circle around the screen's middle, um. */
+enum { FAKE_WIDTH_UM = 600000, FAKE_HEIGHT_UM = 340000, FAKE_RADIUS_UM = 100000, FAKE_HID_STEPS = 500 };
+
+/* One bed a process. Programs that are started afterwards with LD_PRELOAD=libumockdev-preload.so.0 are in it;
+ * so is this one if it was itself. Aborts with a line when the bed cannot be made. */
+struct fake *fake_create(void);
+void fake_destroy(struct fake *fake); /* unplugs what is plugged in */
+
+/* Plug in and start to send hz reports a second. Node numbers count up. */
+struct fake_device *fake_plug(struct fake *fake, enum fake_kind kind, double hz);
+void fake_unplug(struct fake_device *device);
+
+/* When report number n, from 0, was sent: CLOCK_MONOTONIC ns; 0 if it was not, or is more than 64 Ki ago. */
+uint64_t fake_sent_ns(struct fake_device *device, uint64_t n);
+/* Requests to start (HID: the mode; USB: the keep-alive) and to stop, and bytes of calibration that came. */
+void fake_requests(struct fake_device *device, unsigned *out_start, unsigned *out_stop,
+                   size_t *out_calibration);
+
+#endif

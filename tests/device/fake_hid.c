@@ -1,0 +1,192 @@
+/* The HID tracker in the bed: hidraw's ioctls and reports. */
+#include "fake_internal.h"
+
+#include "descriptors.h"
+
+#include <errno.h>
+#include <sys/ioctl.h>
+#include <linux/hidraw.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#define PORT "/sys/devices/pci0000:00/0000:00:14.0/usb1/1-1"
+
+enum { REPORT = 65, CUT = 40 };
+
+static size_t descriptor_size(const struct fake_device *device)
+{
+    return device->kind == FAKE_BROKEN ? CUT : sizeof reference_descriptor;
+}
+
+void fake_hid_describe(struct fake_device *device, GString *out_text)
+{
+    unsigned n = device->number;
+    char id[32];
+    snprintf(device->node, sizeof device->node, "/dev/hidraw%u", n);
+    snprintf(id, sizeof id, "0003:DEED:FEED.%04X", n + 1);
+    /* Each device in a port of its own, as several may be there at once. */
+    snprintf(device->system[0], sizeof device->system[0], PORT ".%u", n);
+    snprintf(device->system[1], sizeof device->system[1], PORT ".%u/1-1.%u:1.0", n, n);
+    snprintf(device->system[2], sizeof device->system[2], PORT ".%u/1-1.%u:1.0/%s", n, n, id);
+    snprintf(device->system[3], sizeof device->system[3], PORT ".%u/1-1.%u:1.0/%s/hidraw/hidraw%u", n, n, id,
+             n);
+    device->systems = 4;
+    g_string_append_printf(out_text,
+                           "P: %s\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\nE: PRODUCT=deed/feed/100\n"
+                           "A: idVendor=deed\\n\nA: idProduct=feed\\n\nA: manufacturer=Fovea\\n\n"
+                           "A: product=Test Tracker\\n\nA: serial=%u\\n\nA: bcdDevice=0100\\n\n\n",
+                           device->system[0] + 4, n);
+    g_string_append_printf(out_text,
+                           "P: %s\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_interface\nE: DRIVER=usbhid\n"
+                           "A: bInterfaceNumber=00\\n\nA: bInterfaceClass=03\\n\n\n",
+                           device->system[1] + 4);
+    g_string_append_printf(
+        out_text,
+        "P: %s\nE: SUBSYSTEM=hid\nE: DRIVER=hid-generic\nE: HID_ID=0003:0000DEED:0000FEED\n"
+        "E: HID_NAME=Fovea Test Tracker\nE: HID_UNIQ=%u\nH: report_descriptor=",
+        device->system[2] + 4, n);
+    for (size_t i = 0; i < descriptor_size(device); i++)
+        g_string_append_printf(out_text, "%02X", reference_descriptor[i]);
+    g_string_append_printf(out_text,
+                           "\n\nP: %s\nA: dev=242:%u\\n\nE: SUBSYSTEM=hidraw\nE: DEVNAME=%s\nE: MAJOR=242\n"
+                           "E: MINOR=%u\nL: device=../../../%s\n",
+                           device->system[3] + 4, n, device->node, n, id);
+}
+
+static void put(uint8_t *out, uint64_t value, int bytes)
+{
+    for (int i = 0; i < bytes; i++) out[i] = (uint8_t)(value >> 8 * i);
+}
+
+/* Gaze goes around the middle once in FAKE_HID_STEPS reports; eyes at 65 cm; of the head nothing is known. */
+static void fill_gaze(struct fake_device *device, uint8_t report[REPORT])
+{
+    double angle = 2 * M_PI * (double)(device->sent % FAKE_HID_STEPS) / FAKE_HID_STEPS;
+    const int32_t um[8] = {
+        FAKE_WIDTH_UM / 2 + (int32_t)lrint(FAKE_RADIUS_UM * cos(angle)),
+        FAKE_HEIGHT_UM / 2 + (int32_t)lrint(FAKE_RADIUS_UM * sin(angle)),
+        FAKE_WIDTH_UM / 2 - 32000,
+        FAKE_HEIGHT_UM / 2,
+        650000,
+        FAKE_WIDTH_UM / 2 + 32000,
+        FAKE_HEIGHT_UM / 2,
+        650000,
+    };
+    report[0] = 0x10;
+    put(report + 1, fake_now_ns() / 1000, 8);
+    for (int i = 0; i < 8; i++) put(report + 9 + 4 * i, (uint32_t)um[i], 4);
+    for (int i = 8; i < 14; i++) put(report + 9 + 4 * i, INT32_MAX, 4);
+}
+
+void fake_hid_fill(struct fake_device *device, struct fake_report *out_report)
+{
+    if (device->kind == FAKE_HID) {
+        out_report->size = REPORT;
+        fill_gaze(device, out_report->bytes);
+        return;
+    }
+    uint64_t state = device->sent * 2654435761u + 1;
+    out_report->size = 1 + device->sent * 7 % 80;
+    for (size_t i = 0; i < out_report->size; i++) {
+        state = state * 6364136223846793005u + 1442695040888963407u;
+        out_report->bytes[i] = (uint8_t)(state >> 56);
+    }
+    /* Often enough an id that exists. */
+    if (device->sent % 2) out_report->bytes[0] = device->sent % 4 == 1 ? 0x10 : 0x13;
+}
+
+/* Configuration (the size of the screen) and status; other reports are not answered. */
+static int get_feature(const struct fake_device *device, uint8_t *out, size_t size)
+{
+    uint8_t report[19] = {out[0]};
+    size_t length = 0;
+    if (out[0] == 0x12) {
+        length = 19;
+        put(report + 11, FAKE_WIDTH_UM, 4);
+        put(report + 15, FAKE_HEIGHT_UM, 4);
+    } else if (out[0] == 0x13) {
+        length = 4;
+        report[1] = 1;
+        put(report + 2, (uint64_t)device->hz, 2);
+    }
+    if (length > size) length = size;
+    memcpy(out, report, length);
+    return length ? (int)length : -1;
+}
+
+static int set_feature(struct fake_device *device, const uint8_t *bytes, size_t size)
+{
+    if (size < 2 || bytes[0] != 0x14) return -1;
+    if (bytes[1])
+        device->starts++;
+    else
+        device->stops++;
+    return (int)size;
+}
+
+static int answer(struct fake_device *device, unsigned long request, UMockdevIoctlData *data)
+{
+    if (request == HIDIOCGRDESCSIZE) {
+        *(int *)data->data = (int)descriptor_size(device);
+        return 0;
+    }
+    if (request == HIDIOCGRDESC) {
+        struct hidraw_report_descriptor *descriptor = (void *)data->data;
+        descriptor->size = (uint32_t)descriptor_size(device);
+        memcpy(descriptor->value, reference_descriptor, descriptor_size(device));
+        return 0;
+    }
+    if (request == HIDIOCGRAWINFO) {
+        *(struct hidraw_devinfo *)data->data = (struct hidraw_devinfo){3, (int16_t)0xdeed, (int16_t)0xfeed};
+        return 0;
+    }
+    if (_IOC_TYPE(request) == 'H' && _IOC_NR(request) == 0x07)
+        return get_feature(device, data->data, _IOC_SIZE(request));
+    if (_IOC_TYPE(request) == 'H' && _IOC_NR(request) == 0x06)
+        return set_feature(device, data->data, _IOC_SIZE(request));
+    return -1;
+}
+
+gboolean fake_hid_ioctl(UMockdevIoctlBase *base, UMockdevIoctlClient *client, gpointer user)
+{
+    (void)base;
+    struct fake_device *device = user;
+    fake_be_urgent();
+    unsigned long request = umockdev_ioctl_client_get_request(client);
+    UMockdevIoctlData *data =
+        umockdev_ioctl_data_resolve(umockdev_ioctl_client_get_arg(client), 0, _IOC_SIZE(request), NULL);
+    pthread_mutex_lock(&device->lock);
+    bool gone = device->gone;
+    int result = gone || !data ? -1 : answer(device, request, data);
+    pthread_mutex_unlock(&device->lock);
+    if (data) g_object_unref(data);
+    umockdev_ioctl_client_complete(client, result, result >= 0 ? 0 : gone ? ENODEV : EPIPE);
+    return TRUE;
+}
+
+/* One report a read. The true read takes the bytes that wait in the terminal; all but ours are put back. */
+gboolean fake_hid_read(UMockdevIoctlBase *base, UMockdevIoctlClient *client, gpointer user)
+{
+    (void)base;
+    struct fake_device *device = user;
+    fake_be_urgent();
+    pthread_mutex_lock(&device->lock);
+    struct fake_report *report = device->gone ? NULL : g_queue_pop_head(&device->reports);
+    int failure = 0;
+    if (report) {
+        UMockdevIoctlData *data = umockdev_ioctl_client_get_arg(client);
+        long taken = umockdev_ioctl_client_execute(client, &failure, NULL);
+        for (long i = 1; i < taken; i++)
+            if (write(device->pty, "", 1) != 1) perror("fake tracker: pty");
+        size_t size = report->size < (size_t)data->data_len ? report->size : (size_t)data->data_len;
+        memcpy(data->data, report->bytes, size);
+        umockdev_ioctl_client_complete(client, (long)size, 0);
+    } else {
+        umockdev_ioctl_client_complete(client, -1, device->gone ? EIO : EAGAIN);
+    }
+    pthread_mutex_unlock(&device->lock);
+    g_free(report);
+    return TRUE;
+}

@@ -1,0 +1,201 @@
+/* The PlayStation VR2 in the bed: usbfs's requests, of which there are as many as libusb makes. */
+#include "fake_internal.h"
+
+#include "psvr2.h"
+
+#include <errno.h>
+#include <sys/ioctl.h>
+#include <linux/usbdevice_fs.h>
+#include <stdio.h>
+#include <string.h>
+
+struct urb {
+    UMockdevIoctlData *request, *buffer;
+};
+
+static const uint8_t descriptors[] = {
+    /* device: USB 2, one configuration */
+    18, 1, 0x00, 2, 0, 0, 0, 64, PSVR2_VENDOR & 255, PSVR2_VENDOR >> 8, PSVR2_PRODUCT & 255,
+    PSVR2_PRODUCT >> 8, 0, 1, 0, 0, 0, 1,
+    /* configuration; interface 5 with bulk 0x85 in and 0x05 out */
+    9, 2, 9 + 9 + 7 + 7, 0, 1, 1, 0, 0x80, 50, 9, 4, PSVR2_INTERFACE, 0, 2, 0xff, 0, 0, 0, 7, 5, 0x85, 2,
+    0x00, 2, 0, 7, 5, 0x05, 2, 0x00, 2, 0};
+
+void fake_usb_describe(struct fake_device *device, GString *out_text)
+{
+    unsigned n = device->number, address = 2 + n % 120;
+    snprintf(device->node, sizeof device->node, "/dev/bus/usb/001/%03u", address);
+    snprintf(device->system[0], sizeof device->system[0], "/sys/devices/pci0000:00/0000:00:14.0/usb1/1-2.%u",
+             n);
+    device->systems = 1;
+    g_string_append_printf(
+        out_text,
+        "P: %s\nA: dev=189:%u\\n\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\nE: DEVNAME=%s\n"
+        "E: BUSNUM=001\nE: DEVNUM=%03u\nE: MAJOR=189\nE: MINOR=%u\nE: PRODUCT=54c/cde/100\n",
+        device->system[0] + 4, address - 1, device->node, address, address - 1);
+    g_string_append_printf(out_text,
+                           "A: busnum=1\\n\nA: devnum=%u\\n\nA: speed=480\\n\nA: bConfigurationValue=1\\n\n"
+                           "A: idVendor=%04x\\n\nA: idProduct=%04x\\n\nA: bcdDevice=0100\\n\nH: descriptors=",
+                           address, PSVR2_VENDOR, PSVR2_PRODUCT);
+    for (size_t i = 0; i < sizeof descriptors; i++) g_string_append_printf(out_text, "%02X", descriptors[i]);
+    g_string_append(out_text, "\n");
+}
+
+/* Alternately of both lengths that firmware sends. */
+void fake_usb_fill(struct fake_device *device, struct fake_report *out_report)
+{
+    out_report->size = device->sent % 2 ? PSVR2_PACKET : PSVR2_PACKET - 4;
+    psvr2_fill(out_report->bytes, fake_now_ns() / 1000);
+}
+
+static struct usbdevfs_urb *raw(const struct urb *urb)
+{
+    return (void *)urb->request->data;
+}
+
+static void free_urb(gpointer data)
+{
+    struct urb *urb = data;
+    if (urb->buffer) g_object_unref(urb->buffer);
+    g_object_unref(urb->request);
+    g_free(urb);
+}
+
+void fake_usb_pump(struct fake_device *device)
+{
+    struct urb *urb;
+    while ((device->gone || g_queue_get_length(&device->reports)) &&
+           (urb = g_queue_pop_head(&device->urbs))) {
+        struct fake_report *report = device->gone ? NULL : g_queue_pop_head(&device->reports);
+        raw(urb)->status = report ? 0 : -ENODEV;
+        raw(urb)->actual_length = 0;
+        if (report) {
+            int size =
+                (int)report->size < raw(urb)->buffer_length ? (int)report->size : raw(urb)->buffer_length;
+            memcpy(urb->buffer->data, report->bytes, (size_t)size);
+            raw(urb)->actual_length = size;
+        }
+        g_free(report);
+        g_queue_push_tail(&device->done, urb);
+    }
+}
+
+void fake_usb_finish(struct fake_device *device)
+{
+    g_queue_clear_full(&device->urbs, free_urb);
+    g_queue_clear_full(&device->done, free_urb);
+}
+
+/* The vendor's request to start and stop; anything else stalls. */
+static void take_control(struct fake_device *device, struct urb *urb)
+{
+    const uint8_t *setup = urb->buffer->data;
+    raw(urb)->status = -EPIPE;
+    raw(urb)->actual_length = 0;
+    if (setup[0] != 0x42 || setup[1] != 0x09 || raw(urb)->buffer_length < 16 || setup[8] != 0x0c) return;
+    raw(urb)->status = 0;
+    raw(urb)->actual_length = 8;
+    if (setup[10] == 1 && device->starts == device->stops) device->starts++;
+    if (setup[10] == 2) device->stops++;
+}
+
+static int submit(struct fake_device *device, UMockdevIoctlData *data)
+{
+    struct usbdevfs_urb *request = (void *)data->data;
+    if (device->gone) return -ENODEV;
+    struct urb *urb = g_new0(struct urb, 1);
+    urb->request = g_object_ref(data);
+    urb->buffer = umockdev_ioctl_data_resolve(data, G_STRUCT_OFFSET(struct usbdevfs_urb, buffer),
+                                              (size_t)request->buffer_length, NULL);
+    if (request->type == USBDEVFS_URB_TYPE_CONTROL) {
+        take_control(device, urb);
+    } else if (request->endpoint == 0x05) {
+        device->calibration += (size_t)request->buffer_length;
+        request->status = 0;
+        request->actual_length = request->buffer_length;
+    } else if (request->endpoint == 0x85) {
+        g_queue_push_tail(&device->urbs, urb);
+        fake_usb_pump(device);
+        return 0;
+    } else {
+        free_urb(urb);
+        return -ENOENT;
+    }
+    g_queue_push_tail(&device->done, urb);
+    return 0;
+}
+
+static int discard(struct fake_device *device, unsigned long address)
+{
+    for (GList *at = device->urbs.head; at; at = at->next) {
+        struct urb *urb = at->data;
+        if (urb->request->client_addr != address) continue;
+        raw(urb)->status = -ENOENT;
+        g_queue_delete_link(&device->urbs, at);
+        g_queue_push_tail(&device->done, urb);
+        return 0;
+    }
+    return -EINVAL;
+}
+
+/* A pseudo-terminal is always ready for writing, which is what libusb waits for: "nothing yet" comes a
+ * millisecond late, so that it does not spin. */
+static gboolean answer_later(gpointer client)
+{
+    umockdev_ioctl_client_complete(client, -1, EAGAIN);
+    g_object_unref(client);
+    return FALSE;
+}
+
+static int answer(struct fake_device *device, UMockdevIoctlClient *client, unsigned long request,
+                  UMockdevIoctlData *data)
+{
+    switch (request) {
+    case USBDEVFS_GET_CAPABILITIES:
+        *(uint32_t *)data->data =
+            USBDEVFS_CAP_ZERO_PACKET | USBDEVFS_CAP_NO_PACKET_SIZE_LIM | USBDEVFS_CAP_REAP_AFTER_DISCONNECT;
+        return 0;
+    case USBDEVFS_CLAIMINTERFACE:
+    case USBDEVFS_DISCONNECT_CLAIM: /* no driver holds it */
+    case USBDEVFS_RELEASEINTERFACE:
+        return device->gone ? -ENODEV : 0;
+    case USBDEVFS_GETDRIVER:
+        return -ENODATA;
+    case USBDEVFS_SUBMITURB:
+        return submit(device, data);
+    case USBDEVFS_DISCARDURB:
+        return discard(device, *(unsigned long *)umockdev_ioctl_client_get_arg(client)->data);
+    default:
+        return -ENOTTY;
+    }
+}
+
+/* One that is done; else -ENODEV, or -EAGAIN for which the answer is to wait. */
+static int reap(struct fake_device *device, UMockdevIoctlData *data)
+{
+    struct urb *urb = g_queue_pop_head(&device->done);
+    if (!urb) return device->gone ? -ENODEV : -EAGAIN;
+    umockdev_ioctl_data_set_ptr(data, 0, urb->request);
+    free_urb(urb);
+    return 0;
+}
+
+gboolean fake_usb_ioctl(UMockdevIoctlBase *base, UMockdevIoctlClient *client, gpointer user)
+{
+    (void)base;
+    struct fake_device *device = user;
+    fake_be_urgent();
+    unsigned long request = umockdev_ioctl_client_get_request(client);
+    UMockdevIoctlData *data =
+        umockdev_ioctl_data_resolve(umockdev_ioctl_client_get_arg(client), 0, _IOC_SIZE(request), NULL);
+    bool reaps = request == USBDEVFS_REAPURB || request == USBDEVFS_REAPURBNDELAY;
+    pthread_mutex_lock(&device->lock);
+    int result = reaps ? reap(device, data) : answer(device, client, request, data);
+    pthread_mutex_unlock(&device->lock);
+    if (data) g_object_unref(data);
+    if (reaps && result == -EAGAIN)
+        g_timeout_add(1, answer_later, g_object_ref(client)); /* without the reference umockdev drops it */
+    else
+        umockdev_ioctl_client_complete(client, result < 0 ? -1 : result, result < 0 ? -result : 0);
+    return TRUE;
+}

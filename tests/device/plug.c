@@ -1,0 +1,135 @@
+/* plug: run a program among fake eye trackers that come and go.
+ *
+ *   plug [ACTION...] -- COMMAND [ARGUMENT...]
+ *
+ * Actions are done one after another, those before "run" before the program is started. KIND[:HZ] plugs one
+ * in (hid, garbage, broken, psvr2; 500 Hz), out:KIND unplugs the last of a kind, wait:SECONDS waits, end
+ * sends SIGTERM, and repeat:N does all actions after "run" N times. Then the program's end is awaited, and
+ * its exit code is ours. Exit code 99: the program outlived "limit:SECONDS" (60), and was killed. */
+#include "fake.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { MAX_PLUGGED = 4096 };
+
+struct plug {
+    struct fake *fake;
+    struct {
+        enum fake_kind kind;
+        struct fake_device *device;
+    } plugged[MAX_PLUGGED];
+    int count;
+    pid_t child;
+    int status; /* of its end */
+    bool ended;
+};
+
+static void usage(const char *what)
+{
+    fprintf(stderr, "plug: %s; usage: plug [ACTION...] -- COMMAND [ARGUMENT...]\n", what);
+    exit(2);
+}
+
+/* Sleep, or until the program ends. */
+static void rest(struct plug *plug, double seconds)
+{
+    struct timespec tick = {.tv_nsec = 5000000};
+    for (double t = 0; t < seconds && !plug->ended; t += 0.005) {
+        if (plug->child > 0 && waitpid(plug->child, &plug->status, WNOHANG) == plug->child)
+            plug->ended = true;
+        nanosleep(&tick, NULL);
+    }
+}
+
+static int find_kind(const char *name)
+{
+    for (int kind = 0; kind < FAKE_KINDS; kind++) {
+        size_t length = strlen(fake_kind_names[kind]);
+        if (strncmp(name, fake_kind_names[kind], length) == 0 &&
+            (name[length] == '\0' || name[length] == ':'))
+            return kind;
+    }
+    usage("unknown action");
+    return 0;
+}
+
+static void plug_in(struct plug *plug, const char *action)
+{
+    int kind = find_kind(action);
+    const char *colon = strchr(action, ':');
+    double hz = colon ? atof(colon + 1) : 500;
+    if (!(hz > 0) || plug->count == MAX_PLUGGED) usage("a bad rate, or too many devices");
+    plug->plugged[plug->count].kind = kind;
+    plug->plugged[plug->count++].device = fake_plug(plug->fake, kind, hz);
+}
+
+static void take_out(struct plug *plug, enum fake_kind kind)
+{
+    for (int i = plug->count - 1; i >= 0; i--)
+        if (plug->plugged[i].kind == kind) {
+            fake_unplug(plug->plugged[i].device);
+            return;
+        }
+    usage("out: of what was never plugged in");
+}
+
+static void start(struct plug *plug, char **command)
+{
+    plug->child = fork();
+    if (plug->child < 0) usage("no process");
+    if (plug->child > 0) return;
+    setenv("LD_PRELOAD", "libumockdev-preload.so.0", 1);
+    execvp(command[0], command);
+    perror(command[0]);
+    _exit(127);
+}
+
+static void act(struct plug *plug, const char *action)
+{
+    if (strncmp(action, "wait:", 5) == 0)
+        rest(plug, atof(action + 5));
+    else if (strncmp(action, "out:", 4) == 0)
+        take_out(plug, find_kind(action + 4));
+    else
+        plug_in(plug, action);
+}
+
+int main(int count, char **arguments)
+{
+    struct plug plug = {0};
+    int end = 1, run = 0, repeats = 1;
+    double limit = 60;
+    bool ends = false;
+    while (end < count && strcmp(arguments[end], "--") != 0) {
+        if (strcmp(arguments[end], "run") == 0) run = end;
+        if (strncmp(arguments[end], "repeat:", 7) == 0) repeats = atoi(arguments[end] + 7);
+        if (strcmp(arguments[end], "end") == 0) ends = true;
+        if (strncmp(arguments[end], "limit:", 6) == 0) limit = atof(arguments[end] + 6);
+        end++;
+    }
+    if (end + 1 >= count) usage("no command");
+    if (!run) run = end;
+    plug.fake = fake_create();
+    for (int i = 1; i < run; i++)
+        if (!strchr("rle", arguments[i][0])) act(&plug, arguments[i]);
+    start(&plug, arguments + end + 1);
+    for (int repeat = 0; repeat < repeats; repeat++)
+        for (int i = run + 1; i < end && !plug.ended; i++)
+            if (!strchr("rle", arguments[i][0])) act(&plug, arguments[i]);
+    if (ends && !plug.ended) kill(plug.child, SIGTERM);
+    rest(&plug, limit);
+    if (!plug.ended) {
+        fprintf(stderr, "plug: the program did not end within %g s\n", limit);
+        kill(plug.child, SIGKILL);
+        waitpid(plug.child, &plug.status, 0);
+        plug.status = 99 << 8;
+    }
+    fake_destroy(plug.fake);
+    return WIFEXITED(plug.status) ? WEXITSTATUS(plug.status) : 128 + WTERMSIG(plug.status);
+}

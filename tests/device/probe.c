@@ -1,0 +1,131 @@
+/* probe: read a gaze source as a program would, check what comes, and say what it was.
+ *
+ *   probe SPEC SECONDS [FALLBACK_LOG]
+ *
+ * Reads until SECONDS have passed or SIGTERM comes. Samples must be in order of number and of every time,
+ * directions of unit length, arrivals not in the future. Prints one line "name=value ..." for scripts; what
+ * the source says of itself goes to stderr whenever it changes. Descriptors and heap are counted when a
+ * device is open for the second time, and at the end. Exit code 1 with a line if a check fails. */
+#include "tracker.h"
+
+#include <dirent.h>
+#include <malloc.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+static volatile sig_atomic_t stopped;
+
+static void on_signal(int number)
+{
+    stopped = number;
+}
+
+static uint64_t now_ns(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (uint64_t)now.tv_sec * 1000000000 + (uint64_t)now.tv_nsec;
+}
+
+struct use { /* of what can leak */
+    int descriptors, threads;
+    size_t heap;
+};
+
+static int entries(const char *path)
+{
+    int count = -2; /* . and .. */
+    DIR *folder = opendir(path);
+    if (!folder) return -1;
+    while (readdir(folder)) count++;
+    closedir(folder);
+    return count;
+}
+
+static struct use look(void)
+{
+    return (struct use){entries("/proc/self/fd"), entries("/proc/self/task"), mallinfo2().uordblks};
+}
+
+struct tally {
+    uint64_t samples, valid, gaps, backlog_ns;
+    struct trk_sample last;
+};
+
+static void fail(const char *what, const struct tally *tally, const struct trk_sample *sample)
+{
+    printf("FAIL: %s: sample %llu after %llu, device %llu after %llu ns\n", what,
+           (unsigned long long)sample->sequence, (unsigned long long)tally->last.sequence,
+           (unsigned long long)sample->device_ns, (unsigned long long)tally->last.device_ns);
+    exit(1);
+}
+
+static void check(struct tally *tally, const struct trk_sample *sample)
+{
+    const struct trk_sample *last = &tally->last;
+    const float *d = sample->direction;
+    uint64_t age_ns = now_ns() - sample->arrival_ns;
+    if (sample->sequence <= last->sequence) fail("sequence", tally, sample);
+    if (sample->device_ns < last->device_ns) fail("device time", tally, sample);
+    if (sample->arrival_ns < last->arrival_ns || age_ns >> 63) fail("arrival", tally, sample);
+    if (sample->sensor_ns > sample->arrival_ns) fail("sensor time", tally, sample);
+    if ((sample->valid & TRK_DIRECTION) && !(fabsf(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - 1) < 1e-4f))
+        fail("direction", tally, sample);
+    tally->samples++;
+    tally->valid += (sample->valid & TRK_DIRECTION) != 0;
+    tally->gaps += sample->sequence - last->sequence - 1;
+    if (age_ns > tally->backlog_ns) tally->backlog_ns = age_ns;
+    tally->last = *sample;
+}
+
+int main(int count, char **arguments)
+{
+    if (count < 3 || count > 4) {
+        fprintf(stderr, "usage: probe SPEC SECONDS [FALLBACK_LOG]\n");
+        return 2;
+    }
+    struct trk_source_options options = {
+        .spec = arguments[1], .speed = 1, .fallback_log = count > 3 ? arguments[3] : NULL, .loop = true};
+    char error[TRK_ERROR_SIZE] = "";
+    uint64_t end_ns = now_ns() + (uint64_t)(atof(arguments[2]) * 1e9);
+    struct tally tally = {0};
+    struct trk_status status = {0};
+    struct use first = {0}, last = {0};
+    unsigned changes = (unsigned)-1;
+    signal(SIGTERM, on_signal);
+    struct trk_source *source = trk_open(&options, error);
+    if (!source) {
+        printf("FAIL: %s\n", error);
+        return 1;
+    }
+    enum trk_result result = TRK_TIMEOUT;
+    while (!stopped && now_ns() < end_ns && result != TRK_FAILED) {
+        struct trk_sample sample;
+        uint64_t until_ns = now_ns() + 50000000;
+        result = trk_read(source, until_ns < end_ns ? until_ns : end_ns, &sample, error);
+        if (result == TRK_SAMPLE) check(&tally, &sample);
+        trk_get_status(source, &status);
+        if (status.changes == changes) continue;
+        fprintf(stderr, "probe: %s\n", status.description);
+        changes = status.changes;
+        if (status.present) last = look();
+        if (status.present && status.connections == 2) first = last;
+    }
+    if (result == TRK_FAILED) printf("FAIL: %s\n", error);
+    trk_close(source);
+    printf("samples=%llu valid=%llu gaps=%llu losses=%llu connections=%u rate=%.0f jitter_ms=%.3f "
+           "drift_ppm=%.1f "
+           "worst_wait_ms=%.1f",
+           (unsigned long long)tally.samples, (unsigned long long)tally.valid, (unsigned long long)tally.gaps,
+           (unsigned long long)status.losses, status.connections, status.rate_hz, status.jitter_ms,
+           status.drift_ppm, (double)tally.backlog_ns * 1e-6);
+    if (first.heap)
+        printf(" descriptors=%d->%d threads=%d->%d heap=%zu->%zu", first.descriptors, last.descriptors,
+               first.threads, last.threads, first.heap, last.heap);
+    printf("\n");
+    return result == TRK_FAILED;
+}

@@ -1,0 +1,19 @@
+# Eye trackers that are not there: programs of the project run unmodified among umockdev's fake devices. Without umockdev
+# these tests are skipped, with a word.
+pkg_check_modules(UMOCKDEV QUIET IMPORTED_TARGET umockdev-1.0)
+add_executable(device_probe device/probe.c)
+target_link_libraries(device_probe PRIVATE tracker m)
+if(UMOCKDEV_FOUND)
+  add_library(fake STATIC device/fake.c device/fake_hid.c device/fake_usb.c)
+  target_link_libraries(fake PUBLIC PkgConfig::UMOCKDEV util m)
+  # The harness calls into umockdev, whose threads and objects are not ours to check.
+  add_executable(device_plug device/plug.c)
+  target_link_libraries(device_plug PRIVATE fake)
+  add_executable(device_latency device/latency.c)
+  target_link_libraries(device_latency PRIVATE fake tracker renderer m)
+endif()
+foreach(name hid psvr2 auto fovead leak latency)
+  add_test(NAME device_${name}
+           COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/device/umockdev.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR} ${name})
+  set_tests_properties(device_${name} PROPERTIES LABELS "device" TIMEOUT 120 SKIP_RETURN_CODE 77)
+endforeach()

@@ -1,0 +1,161 @@
+# Programs among fake eye trackers: sh umockdev.sh PROGRAMS SOURCE WHAT, where PROGRAMS is the build directory and WHAT one
+# of the names at the end. Exit code 77: umockdev is missing.
+set -eu
+programs=$1
+source=$2
+what=$3
+plug=$programs/device_plug
+probe=$programs/device_probe
+if ! [ -x "$plug" ] || ! command -v umockdev-wrapper >/dev/null; then
+    echo "skipped: umockdev is not installed (sh daemon/setup.sh tests)"
+    exit 77
+fi
+place=$(mktemp -d)
+trap 'rm -rf "$place"' EXIT
+cd "$place"
+# The preload comes before a sanitizer's library, and is not ours to be checked for leaks.
+export ASAN_OPTIONS="${ASAN_OPTIONS:+$ASAN_OPTIONS:}verify_asan_link_order=0:detect_leaks=0"
+
+fail() {
+    printf 'FAIL: %s\n' "$*" >&2
+    exit 1
+}
+
+# run ACTION... -- COMMAND...: what it prints is kept in out and shown; it must end well.
+run() {
+    status=0
+    umockdev-wrapper "$plug" "$@" >out 2>err || status=$?
+    cat out
+    sed 's/^/  /' err
+    [ "$status" = 0 ] || fail "exit code $status: plug $*"
+}
+
+# value NAME: what the probe said of it.
+value() { sed -n "s/.*\\<$1=\\([0-9.]*\\).*/\\1/p" out; }
+at_least() { [ "$(value "$1" | cut -d. -f1)" -ge "$2" ] || fail "$1=$(value "$1"), expected $2 or more"; }
+is() { [ "$(value "$1")" = "$2" ] || fail "$1=$(value "$1"), expected $2"; }
+says() { grep -q "$1" err || fail "nobody said '$1'"; }
+
+# Two boxes' worth of triangles and a lamp, to render while the tracker streams.
+make_room() {
+    cat >room.mtl <<'END'
+newmtl wall
+Kd 0.6 0.6 0.6
+newmtl lamp
+Kd 0 0 0
+Ke 12 12 12
+END
+    cat >room.obj <<'END'
+mtllib room.mtl
+v -2 -2 -2
+v 2 -2 -2
+v 2 2 -2
+v -2 2 -2
+v -2 -2 2
+v 2 -2 2
+v 2 2 2
+v -2 2 2
+v -0.5 1.99 -0.5
+v 0.5 1.99 -0.5
+v 0.5 1.99 0.5
+v -0.5 1.99 0.5
+usemtl wall
+f 1 2 3 4
+f 5 8 7 6
+f 1 5 6 2
+f 1 4 8 5
+f 2 6 7 3
+f 4 3 7 8
+usemtl lamp
+f 9 10 11 12
+END
+}
+
+case $what in
+hid)
+    # There, gone, there again; its loss is told, its screen is its own.
+    run hid run wait:1 out:hid wait:0.5 hid wait:1 end -- "$probe" hid 30
+    at_least valid 300
+    is losses 1
+    is connections 2
+    is gaps 0
+    says 'screen of 600 x 340 mm (calibrated)'
+    # Plugged in later; then one that sends garbage, which is survived, and the good one again.
+    run run wait:0.3 hid wait:1.5 out:hid wait:0.2 garbage wait:0.5 out:garbage wait:0.2 hid wait:1 end -- "$probe" hid 30
+    at_least valid 300
+    is connections 3
+    # One whose descriptor is cut off is refused in one line, and stands in nobody's way.
+    status=0
+    umockdev-wrapper "$plug" broken -- "$probe" hid 1 >out 2>err || status=$?
+    grep -q 'FAIL: /dev/hidraw0 (Fovea Test Tracker): report descriptor, byte 38' out || fail "$(cat out)"
+    run broken hid run wait:1 end -- "$probe" hid 30
+    at_least valid 200
+    # A tracker that is slower, at a rate of its own.
+    run hid:60 run wait:2 end -- "$probe" hid 30
+    at_least valid 80
+    ;;
+psvr2)
+    run psvr2 run wait:1 out:psvr2 wait:0.5 psvr2 wait:1 end -- "$probe" psvr2 30
+    at_least valid 300
+    is losses 1
+    is connections 2
+    says 'PlayStation VR2 on /dev/bus/usb/001/002'
+    run run wait:0.3 psvr2 wait:2 end -- "$probe" psvr2 30
+    at_least valid 200
+    ;;
+auto)
+    # A recording until a tracker comes; and no way back when it goes.
+    run run wait:1 hid wait:2 out:hid wait:0.5 psvr2 wait:1 end -- "$probe" auto 30 "$source/fixtures/hall.gaze"
+    says 'hall.gaze.*no eye tracker found'
+    says 'eye tracker Fovea Test Tracker'
+    says 'eye tracker PlayStation VR2'
+    at_least valid 300
+    is connections 2
+    # Two at once: the first of the table; when it goes, the other.
+    run psvr2 hid run wait:1 out:hid wait:1 end -- "$probe" auto 30
+    says 'eye tracker Fovea Test Tracker'
+    says 'eye tracker PlayStation VR2'
+    is connections 2
+    ;;
+fovead)
+    # The daemon itself, unmodified, while it renders.
+    make_room
+    for spec in hid auto psvr2; do
+        kind=hid
+        [ "$spec" = psvr2 ] && kind=psvr2
+        run $kind run wait:1.5 out:$kind wait:0.5 $kind -- "$programs/fovead" --scene room.obj --size 256 --gaze $spec \
+            --until 4s --json
+        samples=$(sed -n 's/.*"gaze_valid": \([0-9]*\).*/\1/p' out)
+        [ "$samples" -ge 300 ] || fail "fovead --gaze $spec saw $samples samples"
+    done
+    run run wait:1 hid -- "$programs/fovead" --scene room.obj --size 256 --gaze hid --until 4s --json
+    samples=$(sed -n 's/.*"gaze_valid": \([0-9]*\).*/\1/p' out)
+    [ "$samples" -ge 200 ] || fail "fovead saw $samples samples of a tracker that came later"
+    run garbage -- "$programs/fovead" --scene room.obj --size 256 --gaze auto --until 2s --json
+    ;;
+leak)
+    # 12 times in and out, or as often as CYCLES says: descriptors and threads are as before, no tracker is missed, and
+    # the heap has not grown by more than what libraries keep, and 64 bytes a time.
+    cycles=${CYCLES:-12}
+    for kind in ${KINDS:-hid psvr2}; do
+        run "$kind" run repeat:"$cycles" wait:0.6 out:"$kind" wait:0.05 "$kind" end -- "$probe" "$kind" "$((cycles * 3 + 10))"
+        at_least connections "$cycles"
+        at_least losses "$cycles"
+        counts=$(sed 's/.*descriptors=\([0-9]*\)->\([0-9]*\) threads=\([0-9]*\)->\([0-9]*\) heap=\([0-9]*\)->\([0-9]*\).*/\1 \2 \3 \4 \5 \6/' out)
+        set -- $counts
+        [ "$2" -le "$1" ] || fail "$(($2 - $1)) descriptors leaked"
+        [ "$4" -le "$3" ] || fail "$(($4 - $3)) threads leaked"
+        [ "$6" -le "$(($5 + 16384 + 64 * cycles))" ] || fail "$(($6 - $5)) bytes leaked in $cycles cycles"
+    done
+    ;;
+latency)
+    # That it works; the bar is for a machine that does nothing else: device_latency prints it.
+    make_room
+    umockdev-wrapper "$programs/device_latency" room.obj 3 500 >out 2>err || [ $? = 1 ] || fail "$(cat err)"
+    cat out
+    grep -q 'sent to batch' out || fail 'no figures'
+    ;;
+*)
+    fail "unknown test $what"
+    ;;
+esac
