@@ -117,6 +117,10 @@ auto)
     says 'eye tracker PlayStation VR2'
     is connections 2
     ;;
+conformance)
+    # Sources that deliver, by the suite that is for all of them.
+    run hid psvr2 -- "$programs/test_tracker_conformance" hid psvr2
+    ;;
 fovead)
     # The daemon itself, unmodified, while it renders.
     make_room

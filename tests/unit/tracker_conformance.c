@@ -1,0 +1,312 @@
+/* What every gaze source must do, run over every one that there is: order, time, waiting, interrupts, status,
+ * the end, and being closed in the middle.
+ *
+ * Without arguments trackers are absent, and devices are tested as sources that wait. Run among fake ones,
+ * with the names of those that are plugged in as arguments, they must deliver as all others do. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <cmocka.h>
+
+#include "tracker.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+struct kind {
+    const char *usage; /* as the table has it */
+    const char *spec;
+    bool is_device, is_pushed; /* it delivers what is there, or what is pushed */
+    bool present;              /* of a device: plugged in */
+};
+
+static struct kind kinds[] = {
+    {.usage = "auto", .spec = "auto"},
+    {.usage = "hid[:PATH]", .spec = "hid", .is_device = true},
+    {.usage = "psvr2", .spec = "psvr2", .is_device = true},
+    {.usage = "replay:FILE", .spec = "replay:" FIXTURES "/hall.gaze"},
+    {.usage = "synthetic[:SEED]", .spec = "synthetic"},
+    {.usage = "pointer", .spec = "pointer", .is_pushed = true},
+};
+enum { KINDS = sizeof kinds / sizeof *kinds };
+
+static uint64_t now_ns(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (uint64_t)now.tv_sec * 1000000000 + (uint64_t)now.tv_nsec;
+}
+
+static void pause_ms(int ms)
+{
+    nanosleep(&(struct timespec){.tv_nsec = ms * 1000000L}, NULL);
+}
+
+/* Does it deliver by itself? */
+static bool delivers(const struct kind *kind)
+{
+    return !kind->is_pushed && (!kind->is_device || kind->present);
+}
+
+static struct trk_source *open_kind(const struct kind *kind)
+{
+    char error[TRK_ERROR_SIZE] = "";
+    struct trk_source_options options = {
+        .spec = kind->spec, .fallback_log = FIXTURES "/hall.gaze", .speed = 1, .loop = true};
+    struct trk_source *source = trk_open(&options, error);
+    if (!source) fail_msg("%s: %s", kind->spec, error);
+    return source;
+}
+
+/* The suite is of every source in the table: what an unknown name is told must be what is above. */
+static void every_source_is_here(void **state)
+{
+    (void)state;
+    char error[TRK_ERROR_SIZE] = "", expected[256] = "";
+    struct trk_source_options options = {.spec = "?"};
+    for (int i = 0; i < KINDS; i++) {
+        size_t end = strlen(expected);
+        snprintf(expected + end, sizeof expected - end, "%s%s", i ? ", " : "", kinds[i].usage);
+    }
+    assert_null(trk_open(&options, error));
+    const char *list = strstr(error, "expected one of ");
+    assert_non_null(list);
+    assert_string_equal(list + strlen("expected one of "), expected);
+}
+
+static void check_order(const struct kind *kind, const struct trk_sample *last,
+                        const struct trk_sample *sample)
+{
+    const float *d = sample->direction;
+    bool ok = sample->sequence > last->sequence && sample->device_ns >= last->device_ns &&
+              sample->arrival_ns >= last->arrival_ns && sample->arrival_ns <= now_ns() &&
+              sample->sensor_ns <= sample->arrival_ns;
+    if (sample->valid & TRK_DIRECTION) ok &= fabsf(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - 1) < 1e-3f;
+    if (!ok)
+        fail_msg("%s: sample %llu at %llu follows %llu at %llu", kind->spec,
+                 (unsigned long long)sample->sequence, (unsigned long long)sample->arrival_ns,
+                 (unsigned long long)last->sequence, (unsigned long long)last->arrival_ns);
+}
+
+static void samples_are_in_order(void **state)
+{
+    (void)state;
+    for (int i = 0; i < KINDS; i++) {
+        const struct kind *kind = &kinds[i];
+        struct trk_source *source = open_kind(kind);
+        struct trk_sample last = {0}, sample;
+        char error[TRK_ERROR_SIZE] = "";
+        int samples = 0;
+        uint64_t end_ns = now_ns() + 600000000;
+        while (now_ns() < end_ns) {
+            if (kind->is_pushed) assert_true(trk_push(source, (float[3]){0, 0, -1}, now_ns()));
+            enum trk_result result = trk_read(source, now_ns() + 10000000, &sample, error);
+            if (result != TRK_SAMPLE && result != TRK_TIMEOUT)
+                fail_msg("%s: %d %s", kind->spec, result, error);
+            if (result != TRK_SAMPLE) continue;
+            check_order(kind, &last, &sample);
+            last = sample;
+            samples++;
+        }
+        bool many = delivers(kind) || kind->is_pushed;
+        if (many ? samples < 10 : samples > 0) fail_msg("%s: %d samples in 0.6 s", kind->spec, samples);
+        trk_close(source);
+    }
+}
+
+/* With nothing due a read returns at until_ns, not before and not much later; with until_ns past, at once. */
+static void reads_end_in_time(void **state)
+{
+    (void)state;
+    for (int i = 0; i < KINDS; i++) {
+        struct trk_source *source = open_kind(&kinds[i]);
+        struct trk_sample sample;
+        char error[TRK_ERROR_SIZE];
+        for (int k = 0; k < 20; k++) {
+            uint64_t start_ns = now_ns(), until_ns = k % 2 ? start_ns + 3000000 : 0;
+            enum trk_result result = trk_read(source, until_ns, &sample, error);
+            uint64_t took_ns = now_ns() - start_ns;
+            assert_true(result == TRK_SAMPLE || result == TRK_TIMEOUT);
+            if (result == TRK_TIMEOUT) assert_true(start_ns + took_ns >= until_ns);
+            assert_true(took_ns < 1000000000);
+        }
+        trk_close(source);
+    }
+}
+
+struct reader {
+    struct trk_source *source;
+    atomic_bool stop;
+    enum trk_result last;
+};
+
+static void *read_until_stopped(void *argument)
+{
+    struct reader *reader = argument;
+    struct trk_sample sample;
+    char error[TRK_ERROR_SIZE];
+    while (!atomic_load(&reader->stop)) reader->last = trk_read(reader->source, UINT64_MAX, &sample, error);
+    return NULL;
+}
+
+/* The way a program stops: tell the reader, interrupt, join, close; whenever that comes. Reads have no end of
+ * their own here, so that a lost interrupt hangs. */
+static void interrupt_ends_any_wait(void **state)
+{
+    (void)state;
+    for (int i = 0; i < KINDS; i++)
+        for (int k = 0; k < 8; k++) {
+            struct reader reader = {.source = open_kind(&kinds[i])};
+            pthread_t thread;
+            if (k == 0) trk_interrupt(reader.source);
+            assert_int_equal(pthread_create(&thread, NULL, read_until_stopped, &reader), 0);
+            if (k > 1) pause_ms(k);
+            atomic_store(&reader.stop, true);
+            trk_interrupt(reader.source);
+            pthread_join(thread, NULL);
+            assert_true(reader.last == TRK_TIMEOUT || reader.last == TRK_SAMPLE);
+            trk_close(reader.source);
+        }
+}
+
+static void interrupt_before_a_read(void **state)
+{
+    (void)state;
+    for (int i = 0; i < KINDS; i++) {
+        struct trk_source *source = open_kind(&kinds[i]);
+        struct trk_sample sample;
+        char error[TRK_ERROR_SIZE];
+        trk_interrupt(source);
+        trk_interrupt(source);
+        enum trk_result result = TRK_SAMPLE;
+        while (result == TRK_SAMPLE) result = trk_read(source, UINT64_MAX, &sample, error);
+        assert_int_equal(result, TRK_TIMEOUT);
+        trk_close(source);
+    }
+}
+
+/* Status can be asked by any thread while one reads; it has one line, and that of the source to begin with.
+ */
+static void status_while_reading(void **state)
+{
+    (void)state;
+    for (int i = 0; i < KINDS; i++) {
+        struct reader reader = {.source = open_kind(&kinds[i])};
+        char first[TRK_ERROR_SIZE];
+        struct trk_status status;
+        pthread_t thread;
+        snprintf(first, sizeof first, "%s", trk_describe(reader.source));
+        assert_true(*first && !strchr(first, '\n'));
+        assert_int_equal(pthread_create(&thread, NULL, read_until_stopped, &reader), 0);
+        for (int k = 0; k < 20; k++) {
+            trk_get_status(reader.source, &status);
+            assert_true(*status.description && !strchr(status.description, '\n'));
+            assert_true(!status.present || status.connections > 0);
+            pause_ms(1);
+        }
+        if (kinds[i].is_device) {
+            assert_true(status.is_device);
+            assert_int_equal(status.present, kinds[i].present);
+        }
+        atomic_store(&reader.stop, true);
+        trk_interrupt(reader.source);
+        pthread_join(thread, NULL);
+        assert_string_equal(trk_describe(reader.source), first);
+        trk_close(reader.source);
+    }
+}
+
+static void only_a_pointer_is_pushed(void **state)
+{
+    (void)state;
+    for (int i = 0; i < KINDS; i++) {
+        struct trk_source *source = open_kind(&kinds[i]);
+        assert_int_equal(trk_push(source, (float[3]){0, 0, -1}, now_ns()), kinds[i].is_pushed);
+        assert_false(trk_push(source, (float[3]){NAN, 0, -1}, now_ns()));
+        trk_close(source);
+    }
+}
+
+/* The same times asked for twice give the same samples, bit for bit; devices have no virtual clock. */
+static void virtual_clock_is_repeatable(void **state)
+{
+    (void)state;
+    for (int i = 0; i < KINDS; i++) {
+        char error[TRK_ERROR_SIZE] = "";
+        struct trk_source *source[2];
+        struct trk_source_options options = {
+            .spec = kinds[i].spec, .fallback_log = FIXTURES "/hall.gaze", .speed = 1, .virtual_clock = true};
+        source[0] = trk_open(&options, error);
+        assert_true(!source[0] == kinds[i].is_device);
+        if (kinds[i].is_device) continue;
+        assert_non_null(source[1] = trk_open(&options, error));
+        for (uint64_t time_ns = 0; time_ns < 2000000000; time_ns += 3000000) {
+            struct trk_sample sample[2];
+            memset(sample, 0, sizeof sample);
+            enum trk_result result = trk_read(source[0], time_ns, &sample[0], error);
+            assert_int_equal(trk_read(source[1], time_ns, &sample[1], error), result);
+            if (result == TRK_SAMPLE) assert_memory_equal(&sample[0], &sample[1], sizeof *sample);
+            assert_true(result != TRK_SAMPLE || sample[0].arrival_ns <= time_ns);
+        }
+        trk_close(source[0]);
+        trk_close(source[1]);
+    }
+}
+
+/* What ends says so, and nothing comes after; auto then waits for a tracker. */
+static void the_end(void **state)
+{
+    (void)state;
+    static const char *const ending[] = {"replay:" FIXTURES "/hall.gaze", "synthetic", "auto"};
+    for (int i = 0; i < 3; i++) {
+        char error[TRK_ERROR_SIZE] = "";
+        struct trk_source_options options = {.spec = ending[i],
+                                             .fallback_log = FIXTURES "/hall.gaze",
+                                             .speed = i == 1 ? 1 : 0,
+                                             .seconds = 0.1};
+        bool is_auto = strcmp(ending[i], "auto") == 0;
+        if (is_auto && (kinds[1].present || kinds[2].present)) continue;
+        struct trk_source *source = trk_open(&options, error);
+        assert_non_null(source);
+        struct trk_sample sample;
+        int samples = 0;
+        enum trk_result result;
+        while ((result = trk_read(source, UINT64_MAX, &sample, error)) == TRK_SAMPLE) samples++;
+        assert_int_equal(result, TRK_END);
+        assert_true(samples >= 12);
+        result = trk_read(source, now_ns() + 5000000, &sample, error);
+        assert_int_equal(result, is_auto ? TRK_TIMEOUT : TRK_END);
+        trk_close(source);
+    }
+}
+
+static void opened_and_closed(void **state)
+{
+    (void)state;
+    for (int i = 0; i < KINDS; i++)
+        for (int k = 0; k < 20; k++) trk_close(open_kind(&kinds[i]));
+}
+
+int main(int count, char **arguments)
+{
+    for (int a = 1; a < count; a++)
+        for (int i = 0; i < KINDS; i++)
+            if (strcmp(arguments[a], kinds[i].spec) == 0) kinds[i].present = true;
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_source_is_here),
+        cmocka_unit_test(samples_are_in_order),
+        cmocka_unit_test(reads_end_in_time),
+        cmocka_unit_test(interrupt_ends_any_wait),
+        cmocka_unit_test(interrupt_before_a_read),
+        cmocka_unit_test(status_while_reading),
+        cmocka_unit_test(only_a_pointer_is_pushed),
+        cmocka_unit_test(virtual_clock_is_repeatable),
+        cmocka_unit_test(the_end),
+        cmocka_unit_test(opened_and_closed),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
