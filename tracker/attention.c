@@ -77,20 +77,14 @@ static void begin_anew(struct trk_attention *a)
     a->pinned = false;
 }
 
-/* Filter in the world, where gaze rests while the head turns. A saccade is taken as it is; the samples that
- * showed its end are the first of what follows. After a gap the eye may be elsewhere. */
-static void smooth(struct trk_attention *a, enum trk_state before, uint64_t device_ns, const float world[3])
+/* Filter in the world, where gaze rests while the head turns. A saccade is taken as it is, and its
+ * last sample, which lies at rest already, is the first of what follows. After a gap the eye may be
+ * elsewhere. */
+static void smooth(struct trk_attention *a, uint64_t device_ns, const float world[3])
 {
     struct trk_classifier *c = &a->classifier;
     double dt_s = (double)(device_ns - a->gaze_ns) * 1e-9;
-    double jump_deg = fmax(TRK_LEAST_JUMP_DEG, 4.5 * c->noise_deg);
     if (a->options.raw || c->state == TRK_SACCADE || c->count == 1) trk_filter_reset(&a->filter);
-    if (a->filter.count && dt_s > 0.02 && trk_angle_deg(a->filter.value, world) > jump_deg)
-        trk_filter_reset(&a->filter);
-    if (before == TRK_SACCADE && c->state != TRK_SACCADE && c->count > 1) {
-        trk_filter_reset(&a->filter);
-        if (!a->options.raw) trk_filter_step(&a->filter, c->past[(c->count - 2) % TRK_PAST].world, 0);
-    }
     trk_filter_step(&a->filter, world, dt_s);
 }
 
@@ -146,7 +140,6 @@ static void see(struct trk_attention *a, const float head[3], const char *source
     const struct trk_sample *sample = &a->sample;
     const bool again = a->has_gaze && sample->device_ns == a->gaze_ns;
     const bool gap = a->has_gaze && sample->device_ns - a->gaze_ns >= TRK_BRIDGED_NS;
-    const enum trk_state before = a->classifier.state;
     float world[3];
     trk_to_world(sample, head, world);
     if (again) return; /* a device that repeats itself */
@@ -156,7 +149,7 @@ static void see(struct trk_attention *a, const float head[3], const char *source
     }
     if (!a->has_gaze) a->classifier.count = 0;
     trk_classify(&a->classifier, sample->device_ns, head, world);
-    smooth(a, before, sample->device_ns, world);
+    smooth(a, sample->device_ns, world);
     a->hidden = a->lids_closed = false;
     a->has_gaze = true;
     a->gaze_ns = sample->device_ns;

@@ -28,6 +28,8 @@ static const uint64_t longest_saccade_ns = 150 * MS;
  * which the largest step that no onset shows has passed; it ends at half of that. */
 static const double pursuit_deg_s = 10, pursuit_noises = 4;
 static const uint64_t pursuit_ns = 100 * MS;
+/* Samples are missing where twice the usual interval has passed, and this. */
+static const uint64_t short_gap_ns = 20 * MS;
 /* Noise to begin with, and the least: no tracker is better. The median settles to within some steps of 1 %.
  */
 static const double first_noise_deg = 0.2, least_noise_deg = 0.01, noise_step = 0.01;
@@ -171,11 +173,26 @@ static void follow_slope(struct trk_classifier *c, uint64_t now_ns)
         enter(c, pursues ? TRK_FIXATION : TRK_PURSUIT, now_ns - pursuit_ns);
 }
 
+/* Does this sample go on from the last one? Not after a long gap, nor when the eye jumped in a short one. */
+static bool goes_on(const struct trk_classifier *c, uint64_t time_ns, const float world[3])
+{
+    if (!c->count) return false;
+    uint64_t gap_ns = time_ns - past(c, 0)->time_ns;
+    if (c->count < 2 || gap_ns < short_gap_ns || gap_ns < 2 * c->interval_ns) return gap_ns < TRK_BRIDGED_NS;
+    double jump_deg = fmax(TRK_LEAST_JUMP_DEG, onset_noises * c->noise_deg);
+    return gap_ns < TRK_BRIDGED_NS && trk_angle_deg(past(c, 0)->world, world) < jump_deg;
+}
+
 enum trk_state trk_classify(struct trk_classifier *c, uint64_t time_ns, const float head[3],
                             const float world[3])
 {
-    bool bridged = c->count && time_ns - past(c, 0)->time_ns < TRK_BRIDGED_NS;
-    if (!bridged) c->count = 0;
+    bool bridged = goes_on(c, time_ns, world);
+    if (bridged) {
+        uint64_t interval_ns = time_ns - past(c, 0)->time_ns;
+        c->interval_ns = c->count == 1 ? interval_ns : (15 * c->interval_ns + interval_ns) / 16;
+    } else {
+        c->count = 0;
+    }
     struct trk_past *p = &c->past[c->count++ % TRK_PAST];
     p->time_ns = time_ns;
     memcpy(p->head, head, sizeof p->head);

@@ -22,6 +22,7 @@ struct trk_past {
 struct trk_classifier {
     struct trk_past past[TRK_PAST]; /* sample number n is at n % TRK_PAST */
     uint64_t count;                 /* valid samples since it began anew */
+    uint64_t interval_ns;           /* between them, usually */
 
     enum trk_state state; /* TRK_FIXATION, TRK_SACCADE or TRK_PURSUIT */
     uint64_t since_ns;    /* device time at which the state was entered */

@@ -150,6 +150,18 @@ static void dissolve_jitter(struct scan *scan)
     }
 }
 
+/* Between the samples nearest to i that are at least half a span before and after it: stamps may jitter. */
+static float speed_at(const struct scan *scan, size_t i)
+{
+    static const uint64_t half_ns = 4000000;
+    size_t a = i, b = i;
+    while (a > 0 && time_of(scan, i) - time_of(scan, a) < half_ns) a--;
+    while (b + 1 < scan->count && time_of(scan, b) - time_of(scan, i) < half_ns) b++;
+    uint64_t dt_ns = time_of(scan, b) - time_of(scan, a);
+    if (dt_ns < half_ns || dt_ns >= TRK_BRIDGED_NS || !seen(scan, a) || !seen(scan, b)) return 0;
+    return trk_angle_deg(scan->world[a], scan->world[b]) / (float)((double)dt_ns * 1e-9);
+}
+
 static void measure(const struct scan *scan, struct trk_event *event)
 {
     float from[3], to[3];
@@ -166,12 +178,8 @@ static void measure(const struct scan *scan, struct trk_event *event)
     }
     if (event->type == TRK_FIXATION && glm_vec3_norm(sum) > 0) glm_vec3_normalize_to(sum, event->direction);
     if (event->type == TRK_BLINK || event->type == TRK_LOST) return;
-    for (size_t i = event->first ? event->first : 1; i <= event->last && i + 1 < scan->count; i++) {
-        uint64_t dt_ns = time_of(scan, i + 1) - time_of(scan, i - 1);
-        if (!dt_ns || dt_ns >= TRK_BRIDGED_NS || !seen(scan, i - 1) || !seen(scan, i + 1)) continue;
-        double speed = trk_angle_deg(scan->world[i - 1], scan->world[i + 1]) / ((double)dt_ns * 1e-9);
-        event->peak_deg_s = fmaxf(event->peak_deg_s, (float)speed);
-    }
+    for (size_t i = event->first; i <= event->last; i++)
+        event->peak_deg_s = fmaxf(event->peak_deg_s, speed_at(scan, i));
 }
 
 /* Returns how many events there are; out may be NULL. A silence of the tracker between two samples is a loss

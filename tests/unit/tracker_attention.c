@@ -313,8 +313,8 @@ static void short_gaps(void **state)
     look(1, 10);
     is(TRK_FIXATION, "both eyes");
     hide(4, 0);
-    look(1, 13);
-    aims_at(13, 0.5);
+    look(1, 12.5); /* 60 deg/s: no onset */
+    aims_at(12.5, 0.5);
 }
 
 static void freezing(void **state)
@@ -343,6 +343,7 @@ static void clock_goes_back(void **state)
 {
     (void)state;
     look(600, 10);
+    hide(30, 0);
     uint64_t arrival_ns = 5000 * MS + now_ns();
     for (int i = 0; i < 60; i++) {
         struct trk_sample s = sample_of(TRK_DIRECTION, -20);
