@@ -1,0 +1,130 @@
+/* Fuzzing of every log reader: any bytes either are a log, whose samples hold what trk_log_read() promises,
+ * or are refused with one line.
+ *
+ * An input that begins with '{' and holds an empty line is a BIDS log: the sidecar, then the table. The rest
+ * is a file as it is. As it is built here it is a test of its own (fuzz.h) that starts from the small logs in
+ * corpus/log. With libFuzzer, for one format by a corpus of its logs alone:
+ *   clang -g -O1 -fsanitize=fuzzer,address,undefined -DLIBFUZZER -D_GNU_SOURCE -Itracker -Itests/fuzz \
+ *       $(pkg-config --cflags hidapi-hidraw libusb-1.0) tests/fuzz/tracker_log.c tracker/[a-z]*.c
+ * tracker/log/[a-z]*.c \ tracker/source/[a-z]*.c -ljansson -lz $(pkg-config --libs hidapi-hidraw libusb-1.0)
+ * -lm
+ */
+#include "fuzz.h"
+
+#include "log/own.h"
+#include "tracker.h"
+
+#include <fcntl.h>
+#include <math.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+static void write_all(int fd, const uint8_t *data, size_t size)
+{
+    if (fd < 0 || ftruncate(fd, 0) != 0 || pwrite(fd, data, size, 0) != (ssize_t)size) abort();
+}
+
+static char dir[64], table[96], sidecar[96];
+
+static void tidy(void)
+{
+    unlink(table);
+    unlink(sidecar);
+    rmdir(dir);
+}
+
+/* In memory if that can be: disks are slow. */
+static void make_dir(void)
+{
+    strcpy(dir, "/dev/shm/fuzz_log.XXXXXX");
+    if (!mkdtemp(dir)) {
+        strcpy(dir, "/tmp/fuzz_log.XXXXXX");
+        if (!mkdtemp(dir)) abort();
+    }
+    snprintf(table, sizeof table, "%s/x.tsv", dir);
+    snprintf(sidecar, sizeof sidecar, "%s/x.json", dir);
+    atexit(tidy);
+}
+
+/* Where the input lies as a file: memory, or beside its sidecar. */
+static const char *place(const uint8_t *data, size_t size)
+{
+    static char memory[64];
+    static int memory_fd = -1, table_fd, sidecar_fd;
+    const uint8_t *empty = size && data[0] == '{' ? memmem(data, size, "\n\n", 2) : NULL;
+    if (memory_fd < 0) {
+        memory_fd = memfd_create("log", 0);
+        snprintf(memory, sizeof memory, "/proc/self/fd/%d", memory_fd);
+        make_dir();
+        table_fd = open(table, O_WRONLY | O_CREAT, 0600);
+        sidecar_fd = open(sidecar, O_WRONLY | O_CREAT, 0600);
+    }
+    if (!empty) {
+        write_all(memory_fd, data, size);
+        return memory;
+    }
+    write_all(sidecar_fd, data, (size_t)(empty - data));
+    write_all(table_fd, empty + 2, size - (size_t)(empty + 2 - data));
+    return table;
+}
+
+static void check_log(const struct trk_log *log)
+{
+    if (!log->format || !*log->format || log->count == 0) abort();
+    if (strlen(log->assumed) >= TRK_ASSUMED_SIZE || strpbrk(log->assumed, "\r\n")) abort();
+    for (size_t i = 0; i < log->count; i++) {
+        const struct trk_sample *sample = &log->samples[i];
+        if (!trk_own_accepts(sample)) abort(); /* finite, and of unit length */
+        for (int eye = 0; eye < 2; eye++)
+            if ((sample->valid & TRK_LEFT_OPENNESS << 4 * eye) &&
+                !(sample->eye[eye].openness >= 0 && sample->eye[eye].openness <= 1) &&
+                strcmp(log->format, "fovead") != 0)
+                abort();
+        if (i == 0) continue;
+        if (sample->device_ns < sample[-1].device_ns || sample->arrival_ns < sample[-1].arrival_ns ||
+            sample->sequence <= sample[-1].sequence)
+            abort();
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    char error[TRK_ERROR_SIZE] = "";
+    struct trk_log log;
+    if (trk_log_read(place(data, size), &log, error))
+        check_log(&log);
+    else if (!*error || strpbrk(error, "\r\n") || log.samples || log.count || log.format)
+        abort();
+    trk_log_finish(&log);
+    return 0;
+}
+
+#ifndef LIBFUZZER
+
+#include <dirent.h>
+
+int main(void)
+{
+    enum { MOST = 64, ROOM = 4096 };
+    static uint8_t bytes[MOST][ROOM];
+    struct fuzz_seed seeds[MOST];
+    size_t count = 0;
+    DIR *corpus = opendir(CORPUS);
+    for (struct dirent *entry; corpus && (entry = readdir(corpus)) && count < MOST;) {
+        char path[512];
+        snprintf(path, sizeof path, CORPUS "/%s", entry->d_name);
+        FILE *file = entry->d_name[0] == '.' ? NULL : fopen(path, "rb");
+        if (!file) continue;
+        seeds[count] = (struct fuzz_seed){bytes[count], fread(bytes[count], 1, ROOM, file)};
+        if (seeds[count].size > 0) count++;
+        fclose(file);
+    }
+    if (corpus) closedir(corpus);
+    if (count == 0) {
+        fprintf(stderr, "no logs in " CORPUS "\n");
+        return 1;
+    }
+    return fuzz_run(seeds, count, 40000);
+}
+
+#endif
