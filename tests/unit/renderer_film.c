@@ -1,8 +1,5 @@
-/* The film: the same with any number of threads, read at every level, judged, and saved. */
+/* The film: read at every level, judged, and saved. */
 #include "renderer_files.h"
-
-#include <pthread.h>
-#include <stdatomic.h>
 
 enum { WIDTH = 512, HEIGHT = 256, PIXELS = WIDTH * HEIGHT, TILES = WIDTH / RND_TILE * (HEIGHT / RND_TILE) };
 
@@ -55,25 +52,9 @@ static uint64_t look_around(struct rnd_render *render, int batches, uint32_t pat
     return sum;
 }
 
-/* --- determinism --- */
-
 struct film {
     float rgb[3 * PIXELS], samples[PIXELS], error[PIXELS];
 };
-
-static void same_with_any_threads(void **state)
-{
-    (void)state;
-    static struct film one, many;
-    for (int threads = 1; threads <= 4; threads *= 2) {
-        struct rnd_render *render = make(room, WIDTH, "fv", threads);
-        struct film *film = threads == 1 ? &one : &many;
-        look_around(render, 8, 3000 + 77);
-        rnd_render_resolve(render, film->rgb, film->samples, film->error);
-        rnd_render_destroy(render);
-        if (threads > 1) assert_memory_equal(&one, &many, sizeof one);
-    }
-}
 
 /* --- reading --- */
 
@@ -418,71 +399,13 @@ static void save(void **state)
     rnd_render_destroy(render);
 }
 
-/* --- readers --- */
-
-struct reader {
-    struct rnd_render *render;
-    atomic_bool quit;
-    uint64_t reads;
-};
-
-static void *read_on(void *argument)
-{
-    struct reader *reader = argument;
-    static float rgb[3 * PIXELS], samples[PIXELS], tile_rgb[RND_TILE * RND_TILE * 3];
-    struct rnd_tile tiles[TILES];
-    while (!atomic_load(&reader->quit)) {
-        rnd_render_tiles(reader->render, tiles);
-        for (int level = 0; level < 3; level++) {
-            struct rnd_tile tile;
-            /* counts and sums of a tile are of one moment: a mean of this closed room is never far off */
-            if (rnd_render_read(reader->render, level, 0, 0, tile_rgb, &tile)) assert_true(tile.samples > 0);
-        }
-        rnd_render_resolve(reader->render, rgb, samples, NULL);
-        reader->reads++;
-    }
-    return NULL;
-}
-
-/* A film may be read while a batch runs; what the readers see is for ThreadSanitizer to judge, and the film
- * is the same in the end. */
-static void readers(void **state)
-{
-    (void)state;
-    static struct film alone, watched;
-    for (int i = 0; i < 2; i++) {
-        struct rnd_render *render = make(room, WIDTH, "fv", 2);
-        struct reader reader = {.render = render};
-        pthread_t thread;
-        if (i == 1) assert_int_equal(pthread_create(&thread, NULL, read_on, &reader), 0);
-        look_around(render, 10, 4000);
-        if (i == 1) {
-            atomic_store(&reader.quit, true);
-            pthread_join(thread, NULL);
-            assert_true(reader.reads > 0);
-        }
-        struct film *film = i == 0 ? &alone : &watched;
-        rnd_render_resolve(render, film->rgb, film->samples, film->error);
-        rnd_render_destroy(render);
-    }
-    assert_memory_equal(&alone, &watched, sizeof alone);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(same_with_any_threads),
-        cmocka_unit_test(levels),
-        cmocka_unit_test(empty_tiles),
-        cmocka_unit_test(sizes),
-        cmocka_unit_test(coarsest_level),
-        cmocka_unit_test(outline),
-        cmocka_unit_test(converged),
-        cmocka_unit_test(error_is_true),
-        cmocka_unit_test(visible_error),
-        cmocka_unit_test(settled),
+        cmocka_unit_test(levels),         cmocka_unit_test(empty_tiles),   cmocka_unit_test(sizes),
+        cmocka_unit_test(coarsest_level), cmocka_unit_test(outline),       cmocka_unit_test(converged),
+        cmocka_unit_test(error_is_true),  cmocka_unit_test(visible_error), cmocka_unit_test(settled),
         cmocka_unit_test(save),
-        cmocka_unit_test(readers),
     };
     return cmocka_run_group_tests_name("renderer_film", tests, setup, teardown);
 }
