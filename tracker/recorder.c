@@ -135,7 +135,7 @@ static int open_file(const char *path, bool replace, char out_error[TRK_ERROR_SI
         trk_fail(out_error, "%s: cannot record: %s", path, strerror(errno));
     else if (fstat(fd, &status) != 0 || !S_ISREG(status.st_mode))
         trk_fail(out_error, "%s: not a regular file, expected a place for a gaze log", path);
-    else if (flock(fd, LOCK_EX | LOCK_NB) != 0)
+    else if (flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) /* not every file system has locks */
         trk_fail(out_error, "%s: is being recorded already, expected another file", path);
     else if (ftruncate(fd, 0) != 0)
         trk_fail(out_error, "%s: cannot record: %s", path, strerror(errno));
