@@ -4,8 +4,9 @@
  *
  * Reads until SECONDS have passed or SIGTERM comes. Samples must be in order of number and of every time,
  * directions of unit length, arrivals not in the future. Prints one line "name=value ..." for scripts; what
- * the source says of itself goes to stderr whenever it changes. Descriptors and heap are counted when a
- * device is open for the second time, and at the end. Exit code 1 with a line if a check fails. */
+ * the source says of itself goes to stderr whenever it changes, with the heap in use. Descriptors and threads
+ * are counted when a device was opened for the second and for the last time. Exit code 1 with a line if a
+ * check fails. */
 #include "tracker.h"
 
 #include <dirent.h>
@@ -110,7 +111,7 @@ int main(int count, char **arguments)
         if (result == TRK_SAMPLE) check(&tally, &sample);
         trk_get_status(source, &status);
         if (status.changes == changes) continue;
-        fprintf(stderr, "probe: %s\n", status.description);
+        fprintf(stderr, "probe: %s [heap %zu]\n", status.description, look().heap);
         changes = status.changes;
         if (status.present) last = look();
         if (status.present && status.connections == 2) first = last;
@@ -124,8 +125,8 @@ int main(int count, char **arguments)
            (unsigned long long)status.losses, status.connections, status.rate_hz, status.jitter_ms,
            status.drift_ppm, (double)tally.backlog_ns * 1e-6);
     if (first.heap)
-        printf(" descriptors=%d->%d threads=%d->%d heap=%zu->%zu", first.descriptors, last.descriptors,
-               first.threads, last.threads, first.heap, last.heap);
+        printf(" descriptors=%d->%d threads=%d->%d", first.descriptors, last.descriptors, first.threads,
+               last.threads);
     printf("\n");
     return result == TRK_FAILED;
 }
