@@ -8,7 +8,7 @@ die() { printf 'setup: %s\n' "$*" >&2; exit 1; }
 
 case ${1:-} in
 '') tests= ;;
-tests) tests="libcmocka-dev libumockdev-dev umockdev" ;;
+tests) tests="gnuplot-nox libcmocka-dev libumockdev-dev umockdev" ;;
 *) die "usage: sh daemon/setup.sh [tests]" ;;
 esac
 packages="gcc g++ cmake ninja-build pkg-config protobuf-c-compiler libassimp-dev libcglm-dev libembree-dev libhidapi-dev

@@ -3,6 +3,7 @@
 #define FOVEAD_CTL_H
 
 #include "daemon.h"
+#include "tracker.h"
 
 /* Options; each command names the ones it takes. */
 enum {
@@ -15,6 +16,11 @@ enum {
     CTL_SETTLE = 1 << 6,
     CTL_GAZE = 1 << 7,
     CTL_EXPOSURE = 1 << 8,
+    CTL_LOG_FORMAT = 1 << 16, /* what is told about a gaze log */
+    CTL_LOG_TIME_UNIT = 1 << 17,
+    CTL_LOG_FRAME = 1 << 18,
+    CTL_LOG_SCREEN = 1 << 19,
+    CTL_LOG = CTL_LOG_FORMAT | CTL_LOG_TIME_UNIT | CTL_LOG_FRAME | CTL_LOG_SCREEN,
 };
 
 struct ctl {
@@ -29,12 +35,13 @@ struct ctl {
     bool exposure_auto;
     double exposure; /* stops */
     const char *gaze;
+    struct trk_log_options log;
     char **operand;
 };
 
 struct ctl_command {
-    const char *name, *operands, *summary;
-    int count; /* of operands */
+    const char *name, *operands, *summary; /* a name may be two words */
+    int count;                             /* of operands */
     unsigned options;
     int (*run)(const struct ctl *ctl); /* exit status */
 };
@@ -47,6 +54,9 @@ int ctl_unfreeze(const struct ctl *ctl);
 int ctl_look(const struct ctl *ctl);
 int ctl_save(const struct ctl *ctl);
 int ctl_samples(const struct ctl *ctl);
+int ctl_gaze_info(const struct ctl *ctl);
+int ctl_gaze_convert(const struct ctl *ctl);
+int ctl_gaze_plot(const struct ctl *ctl);
 
 /* --- for the commands
  * ---------------------------------------------------------------------------------------- */
@@ -62,5 +72,15 @@ bool ctl_tell(struct pro_client *client, const Fovea__Message *message);
 
 /* The next message of that kind, within seconds; others are let go. NULL after a line on stderr. */
 Fovea__Message *ctl_await(struct pro_client *client, Fovea__Message__BodyCase body, double seconds);
+
+/* The log that the first operand names, by what the options say of it; false after a line on stderr. The
+ * caller frees it. */
+bool ctl_read_log(const struct ctl *ctl, struct trk_log *out_log);
+
+/* Degrees to the right of forward, and up from the horizon, of a direction. */
+double ctl_yaw_deg(const float v[3]);
+double ctl_pitch_deg(const float v[3]);
+
+bool ctl_ends_with(const char *text, const char *end);
 
 #endif

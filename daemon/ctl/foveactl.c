@@ -23,6 +23,11 @@ static const struct ctl_command COMMANDS[] = {
     {"save", "FILE.exr", "have the daemon write colour, sample counts and errors", 1, CTL_DAEMON, ctl_save},
     {"samples", "FILE.exr OUT.png", "draw where samples went, from a file that was saved", 2, CTL_GAZE,
      ctl_samples},
+    {"gaze info", "LOG", "what a gaze log holds, and what was assumed of it", 1, CTL_JSON | CTL_LOG, ctl_gaze_info},
+    {"gaze convert", "LOG OUT", "write it as OUT: .gaze (fovead's own) or _physio.tsv.gz (BIDS)", 2, CTL_LOG,
+     ctl_gaze_convert},
+    {"gaze plot", "LOG OUT", "chart it as OUT, .svg or .png: yaw and pitch over time, path of gaze", 2, CTL_LOG,
+     ctl_gaze_plot},
     {0},
 };
 
@@ -32,7 +37,7 @@ static const char HELP[] =
     "  --connect ADDRESS       unix:PATH or tcp:HOST:PORT; default: $XDG_RUNTIME_DIR/fovead.sock, else\n"
     "                          /tmp/fovead-UID.sock. FOVEAD_TOKEN in the environment is sent along\n"
     "  --wait                  wait for the daemon to come up, a minute at most\n"
-    "  --json                  watch, stats, snapshot: one JSON object\n"
+    "  --json                  watch, stats, snapshot, gaze info: one JSON object\n"
     "  --for SECONDS           watch: so long; otherwise until the daemon ends or Ctrl-C\n"
     "  --until-finished        watch: until the gaze recording has ended\n"
     "  --view YAW,PITCH,FOV    snapshot: what lies in that direction, in degrees right and up of forward, "
@@ -44,6 +49,10 @@ static const char HELP[] =
     "                          middle grey; 0. An .exr keeps the radiance as it is\n"
     "  --settle SECONDS        snapshot: wait for finer tiles once all is there; 1.5\n"
     "  --gaze LOG              samples: draw the path of this recorded gaze\n"
+    "  --format NAME           gaze ...: the log's format, where its content does not tell it\n"
+    "  --time-unit UNIT        gaze ...: of its times: s, ms, us or ns\n"
+    "  --frame XYZ             gaze ...: where its +X, +Y and +Z point: L or R, U or D, F or B\n"
+    "  --screen WIDTH,DISTANCE gaze ...: of a log in screen coordinates, metres; or one number, degrees across\n"
     "      --help, --version\n";
 
 static const struct option LONG[] = {
@@ -57,6 +66,10 @@ static const struct option LONG[] = {
     {"settle", required_argument, NULL, 's'},
     {"exposure", required_argument, NULL, 'x'},
     {"gaze", required_argument, NULL, 'g'},
+    {"format", required_argument, NULL, 'F'},
+    {"time-unit", required_argument, NULL, 'T'},
+    {"frame", required_argument, NULL, 'R'},
+    {"screen", required_argument, NULL, 'S'},
     {"help", no_argument, NULL, 'h'},
     {"version", no_argument, NULL, 'V'},
     {0},
@@ -85,6 +98,14 @@ static unsigned bit_of(int option)
         return CTL_GAZE;
     case 'x':
         return CTL_EXPOSURE;
+    case 'F':
+        return CTL_LOG_FORMAT;
+    case 'T':
+        return CTL_LOG_TIME_UNIT;
+    case 'R':
+        return CTL_LOG_FRAME;
+    case 'S':
+        return CTL_LOG_SCREEN;
     default:
         return 0;
     }
@@ -137,6 +158,19 @@ static bool take_view(struct ctl *ctl, const char *text)
     return ctl_fail("--view wants YAW,PITCH,FOV or gaze,FOV in degrees, not '%s'", text);
 }
 
+static bool take_screen(struct ctl *ctl, const char *text)
+{
+    double numbers[2];
+
+    if (dmn_parse_numbers(text, 1, &ctl->log.screen_fov_deg) && ctl->log.screen_fov_deg > 0) return true;
+    if (!dmn_parse_numbers(text, 2, numbers) || numbers[0] <= 0 || numbers[1] <= 0)
+        return ctl_fail("--screen wants WIDTH,DISTANCE in metres, or degrees across, not '%s'", text);
+    ctl->log.screen_fov_deg = 0;
+    ctl->log.screen_width_m = numbers[0];
+    ctl->log.screen_distance_m = numbers[1];
+    return true;
+}
+
 static bool take(struct ctl *ctl, int option, const char *text)
 {
     char error[PRO_ERROR_SIZE];
@@ -167,17 +201,38 @@ static bool take(struct ctl *ctl, int option, const char *text)
         return ctl_fail("--exposure wants stops or auto, not '%s'", text);
     case 's':
         return take_seconds("settle", text, &ctl->settle);
+    case 'F':
+        ctl->log.format = text;
+        return true;
+    case 'T':
+        ctl->log.time_unit = text;
+        return true;
+    case 'R':
+        ctl->log.frame = text;
+        return true;
+    case 'S':
+        return take_screen(ctl, text);
     default:
         ctl->gaze = text;
         return true;
     }
 }
 
+/* How many words of a command line, which ends with NULL, are this command's name; 0 if it is not that. */
+static int words_of(const char *name, char *const *words)
+{
+    size_t length = strlen(words[0]);
+
+    if (strcmp(name, words[0]) == 0) return 1;
+    if (strncmp(name, words[0], length) != 0 || name[length] != ' ' || !words[1]) return 0;
+    return strcmp(name + length + 1, words[1]) == 0 ? 2 : 0;
+}
+
 /* -1: run it; else the exit status. */
 static int parse(int argc, char **argv, struct ctl *ctl, const struct ctl_command **out_command)
 {
     const struct ctl_command *command = COMMANDS;
-    int option;
+    int option, words = 0;
 
     opterr = 0;
     while ((option = getopt_long(argc, argv, ":", LONG, NULL)) != -1) {
@@ -188,8 +243,9 @@ static int parse(int argc, char **argv, struct ctl *ctl, const struct ctl_comman
         if (!take(ctl, option, optarg)) return 2;
     }
     if (optind == argc) return ctl_fail("which command? see foveactl --help"), 2;
-    ctl->command = argv[optind++];
-    while (command->name && strcmp(command->name, ctl->command) != 0) command++;
+    ctl->command = argv[optind];
+    while (command->name && (words = words_of(command->name, argv + optind)) == 0) command++;
+    optind += words;
     if (!command->name) return ctl_fail("there is no command '%s'; see foveactl --help", ctl->command), 2;
     if (argc - optind != command->count)
         return ctl_fail("usage: foveactl %s %s", command->name, command->operands), 2;

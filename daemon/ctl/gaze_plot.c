@@ -1,0 +1,233 @@
+/* foveactl gaze plot: a gaze log as a chart, drawn by gnuplot: yaw and pitch over time with what the eye did,
+ * and the path of gaze over an equirectangular picture's frame. */
+#include <ctype.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+
+#include "ctl.h"
+#include "tracker.h"
+
+/* As many points as a chart of this width can show; of longer logs every so manieth sample is drawn. */
+enum { MOST_POINTS = 20000, MOST_BANDS = 2000 };
+
+static const char SETUP[] =
+    "set encoding utf8\n"
+    "set style line 1 lc rgb '#4477aa' lw 1.2\n" /* Paul Tol's bright scheme: safe for colour-blind eyes */
+    "set style line 2 lc rgb '#ee6677' lw 1.6\n"
+    "set style line 3 lc rgb '#228833' lw 1.6\n"
+    "set style line 4 lc rgb '#aaaaaa' lw 0.7\n"
+    "set style line 5 lc rgb '#bbbbbb'\n"
+    "set border lc rgb '#666666'\n"
+    "set grid lc rgb '#e4e4e4' lt 1\n"
+    "set tics nomirror\n";
+
+double ctl_yaw_deg(const float v[3])
+{
+    return atan2((double)v[0], -(double)v[2]) * 180 / M_PI;
+}
+
+double ctl_pitch_deg(const float v[3])
+{
+    return asin(fmin(fmax((double)v[1], -1), 1)) * 180 / M_PI;
+}
+
+/* A text in gnuplot's single quotes. */
+static void put_quoted(FILE *out, const char *text)
+{
+    fputc('\'', out);
+    for (; *text; text++) {
+        if (*text == '\'') fputc('\'', out);
+        fputc(iscntrl((unsigned char)*text) ? '?' : *text, out);
+    }
+    fputc('\'', out);
+}
+
+static double seconds(const struct trk_log *log, uint64_t time_ns)
+{
+    return (double)(time_ns - log->samples[0].device_ns) / 1e9;
+}
+
+/* The samples of events of one type, or of all (-1), as lines of time, yaw and pitch; apart where gaze is
+ * lost or passes behind the viewer. */
+static void put_path(FILE *out, const char *name, const struct trk_log *log, const struct trk_events *events,
+                     int type)
+{
+    size_t step = 1 + log->count / MOST_POINTS, event = 0;
+    double last_yaw = NAN;
+
+    fprintf(out, "$%s << EOD\n", name);
+    for (size_t i = 0; i < log->count; i += step) {
+        float world[3];
+        bool is_here;
+
+        while (event < events->count && events->events[event].last < i) event++;
+        is_here = event < events->count && events->events[event].first <= i &&
+                  (int)events->events[event].type == type;
+        if ((type >= 0 && !is_here) || !trk_world_direction(&log->samples[i], world)) {
+            if (!isnan(last_yaw)) fputc('\n', out);
+            last_yaw = NAN;
+            continue;
+        }
+        if (fabs(ctl_yaw_deg(world) - last_yaw) > 180) fputc('\n', out);
+        last_yaw = ctl_yaw_deg(world);
+        fprintf(out, "%.4f %.3f %.3f\n", seconds(log, log->samples[i].device_ns), last_yaw,
+                ctl_pitch_deg(world));
+    }
+    fputs("EOD\n", out);
+}
+
+/* Blinks and losses: from when to when. One far off the chart keeps the block from being empty. */
+static void put_bands(FILE *out, const struct trk_log *log, const struct trk_events *events)
+{
+    int count = 0;
+
+    fputs("$unseen << EOD\n-2 -400 -1 -400\n", out);
+    for (size_t i = 0; i < events->count && count < MOST_BANDS; i++) {
+        const struct trk_event *e = &events->events[i];
+
+        if (e->type != TRK_BLINK && e->type != TRK_LOST) continue;
+        fprintf(out, "%.4f -400 %.4f 400\n", seconds(log, e->start_ns), seconds(log, e->end_ns));
+        count++;
+    }
+    fputs("EOD\n", out);
+}
+
+/* Fixations: yaw, pitch, radius by duration, time. */
+static void put_fixations(FILE *out, const struct trk_log *log, const struct trk_events *events)
+{
+    fputs("$fixations << EOD\n-400 -400 0.1 0\n", out);
+    for (size_t i = 0, n = 0; i < events->count && n < MOST_POINTS; i++) {
+        const struct trk_event *e = &events->events[i];
+
+        if (e->type != TRK_FIXATION) continue;
+        n++;
+        fprintf(out, "%.3f %.3f %.3f %.4f\n", ctl_yaw_deg(e->direction), ctl_pitch_deg(e->direction),
+                fmin(6, 2 * sqrt((double)(e->end_ns - e->start_ns) / 1e9)), seconds(log, e->start_ns));
+    }
+    fputs("EOD\n", out);
+}
+
+/* Limits of column 2 or 3 of the path, with room. */
+static void range_of(const struct trk_log *log, double (*angle)(const float v[3]), double out_range[2])
+{
+    double low = INFINITY, high = -INFINITY;
+
+    for (size_t i = 0; i < log->count; i++) {
+        float world[3];
+
+        if (!trk_world_direction(&log->samples[i], world)) continue;
+        low = fmin(low, angle(world));
+        high = fmax(high, angle(world));
+    }
+    if (low > high) low = high = 0;
+    out_range[0] = low - 0.06 * (high - low) - 0.5;
+    out_range[1] = high + 0.06 * (high - low) + 0.5;
+}
+
+static void put_time_chart(FILE *out, const char *label, int column, const double range[2], bool with_key)
+{
+    static const struct {
+        const char *block, *title;
+        int style;
+    } lines[] = {{"other", "other", 4},
+                 {"fixation", "fixation", 1},
+                 {"pursuit", "pursuit", 3},
+                 {"saccade", "saccade", 2}};
+
+    fprintf(out, "set ylabel '%s'\nset yrange [%.3f:%.3f]\n%s\n", label, range[0], range[1],
+            with_key ? "set key top outside right horizontal samplen 2" : "unset key");
+    fputs("plot $unseen using (($1+$3)/2):(0):1:3:2:4 with boxxyerror fs solid 0.35 noborder ls 5 title "
+          "'blink or loss'",
+          out);
+    for (size_t i = 0; i < sizeof(lines) / sizeof(*lines); i++)
+        fprintf(out, ", $%s using 1:%d with lines ls %d title '%s'", lines[i].block, column, lines[i].style,
+                lines[i].title);
+    fputc('\n', out);
+}
+
+static void put_charts(FILE *out, const char *path, const struct trk_log *log)
+{
+    double yaw[2], pitch[2], end_s = seconds(log, log->samples[log->count - 1].device_ns);
+
+    range_of(log, ctl_yaw_deg, yaw);
+    range_of(log, ctl_pitch_deg, pitch);
+    fputs("set multiplot\nset title ", out);
+    put_quoted(out, path);
+    fprintf(out,
+            " noenhanced left\nset lmargin at screen 0.07\nset rmargin at screen 0.90\nset tmargin at screen "
+            "0.94\n"
+            "set bmargin at screen 0.74\nset xrange [0:%.4f]\nset format x ''\n",
+            end_s > 0 ? end_s : 1);
+    put_time_chart(out, "yaw, degrees", 2, yaw, true);
+    fputs("unset title\nset tmargin at screen 0.72\nset bmargin at screen 0.56\nset format x '%g'\n"
+          "set xlabel 'seconds' offset 0,0.6\n",
+          out);
+    put_time_chart(out, "pitch, degrees", 3, pitch, false);
+    fprintf(
+        out,
+        "set tmargin at screen 0.48\nset bmargin at screen 0.06\nset xrange [-180:180]\nset yrange [-90:90]\n"
+        "set xtics 30\nset ytics 30\nset xlabel 'yaw, degrees to the right' offset 0,0.6\n"
+        "set ylabel 'pitch, degrees up'\nset cblabel 'seconds' offset -0.5,0\nset cbrange [0:%.4f]\nset "
+        "palette defined (0 '#440154', 1 '#3b528b', 2 '#21918c', 3 '#5ec962', 4 '#fde725')\n"
+        "set style fill transparent solid 0.6 noborder\n"
+        "plot $path using 2:3 with lines ls 4 notitle, "
+        "$fixations using 1:2:3:4 with circles lc palette notitle\nunset multiplot\n",
+        end_s > 0 ? end_s : 1);
+}
+
+/* gnuplot takes its commands from a pipe; how it went. */
+static bool draw(const char *path, const char *out_path, const struct trk_log *log,
+                 const struct trk_events *events)
+{
+    bool is_png = ctl_ends_with(out_path, ".png");
+    FILE *out = popen("gnuplot >/dev/null 2>&1", "w");
+    struct stat file;
+    int status;
+
+    if (!out) return ctl_fail("gnuplot: %s", strerror(errno));
+    fprintf(out, "set terminal %s size 1200,1200 font 'sans,%d' %s\nset output ", is_png ? "pngcairo" : "svg",
+            is_png ? 11 : 14, is_png ? "" : "background rgb 'white'");
+    put_quoted(out, out_path);
+    fputc('\n', out);
+    fputs(SETUP, out);
+    put_bands(out, log, events);
+    put_fixations(out, log, events);
+    put_path(out, "path", log, events, -1);
+    put_path(out, "other", log, events, -1);
+    put_path(out, "fixation", log, events, TRK_FIXATION);
+    put_path(out, "pursuit", log, events, TRK_PURSUIT);
+    put_path(out, "saccade", log, events, TRK_SACCADE);
+    put_charts(out, path, log);
+    status = pclose(out);
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
+        return ctl_fail("gnuplot is missing: apt-get install gnuplot-nox");
+    if (status != 0 || stat(out_path, &file) != 0 || file.st_size == 0)
+        return ctl_fail("%s: gnuplot could not draw it there", out_path);
+    return true;
+}
+
+int ctl_gaze_plot(const struct ctl *ctl)
+{
+    const char *out = ctl->operand[1];
+    struct trk_log log;
+    struct trk_events events;
+    bool good = false;
+
+    if (!ctl_ends_with(out, ".svg") && !ctl_ends_with(out, ".png"))
+        return ctl_fail("%s: expected a name that ends with .svg or .png", out), 2;
+    if (!ctl_read_log(ctl, &log)) return 1;
+    if (trk_events_find(&log, &events)) {
+        good = draw(ctl->operand[0], out, &log, &events);
+        trk_events_finish(&events);
+    } else {
+        ctl_fail("out of memory");
+    }
+    if (good) printf("%s: %zu samples of %s\n", out, log.count, log.format);
+    if (good && *log.assumed) printf("assumed: %s\n", log.assumed);
+    trk_log_finish(&log);
+    return good ? 0 : 1;
+}
