@@ -106,15 +106,16 @@ static bool read_gaze(struct reader *reader, int eye, int x_column, struct trk_s
     return true;
 }
 
-static bool read_row(struct reader *reader, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
+static bool read_row(void *context, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
 {
+    struct reader *reader = context;
     double lost;
     int64_t time_ns;
     float centre[3];
     if (!trk_table_time(&reader->table, reader->place[TIME], reader->unit_ns, &time_ns, out_error) ||
         !trk_table_number(&reader->table, reader->place[LOST], &lost, out_error))
         return false;
-    *sample = (struct trk_sample){.sequence = ++reader->sequence};
+    sample->sequence = ++reader->sequence;
     if (!trk_log_clock_count(&reader->clock, time_ns, &reader->table.reading->lines, &sample->device_ns,
                              out_error))
         return false;
@@ -137,14 +138,7 @@ static bool read_layout(const struct layout *layout, struct trk_reading *reading
 {
     struct reader reader = {.layout = layout};
     if (!begin(&reader, reading, out_error)) return false;
-    for (;;) {
-        struct trk_sample sample;
-        enum trk_line line = trk_table_next(&reader.table, out_error);
-        if (line == TRK_LINE_FAILED) return false;
-        if (line == TRK_LINE_END) break;
-        if (!read_row(&reader, &sample, out_error) || !trk_log_append(reading, &sample, out_error))
-            return false;
-    }
+    if (!trk_table_read(&reader.table, read_row, &reader, out_error)) return false;
     if (reader.clock.held) trk_assume(reading, "times that go back, held: %zu", reader.clock.held);
     return true;
 }

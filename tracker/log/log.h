@@ -159,6 +159,13 @@ enum trk_line trk_table_next(struct trk_table *table, char out_error[TRK_ERROR_S
 /* The same with the line that was taken already. */
 enum trk_line trk_table_split(struct trk_table *table, char out_error[TRK_ERROR_SIZE]);
 
+/* Read all rows: read_row makes a sample of the row in hand, or leaves its sequence 0 if the row is none; it
+ * gets reader. False with a message when a row is refused. */
+bool trk_table_read(struct trk_table *table,
+                    bool (*read_row)(void *reader, struct trk_sample *out_sample,
+                                     char out_error[TRK_ERROR_SIZE]),
+                    void *reader, char out_error[TRK_ERROR_SIZE]);
+
 /* A number of the row; NaN where it is missing (empty, NaN, n/a, `.`, or column -1). False with a message if
  * it is anything else or infinite. */
 bool trk_table_number(struct trk_table *table, int column, double *out_value, char out_error[TRK_ERROR_SIZE]);

@@ -34,13 +34,14 @@ struct reader {
     uint64_t sequence;
 };
 
-static bool read_row(struct reader *reader, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
+static bool read_row(void *context, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
 {
+    struct reader *reader = context;
     struct trk_table *table = &reader->table;
     float gaze[3], angles[3], rotation[4], position[3];
     double status[2], openness;
     int64_t time_ns;
-    *sample = (struct trk_sample){.sequence = ++reader->sequence};
+    sample->sequence = ++reader->sequence;
     if (!trk_table_time(table, reader->place[TIME], reader->unit_ns, &time_ns, out_error) ||
         !trk_log_clock_count(&reader->clock, time_ns, &table->reading->lines, &sample->device_ns,
                              out_error) ||
@@ -73,14 +74,7 @@ static bool read_pico(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE
     if (!trk_table_need(&reader.table, needed, NEEDED, reader.place, out_error)) return false;
     for (int i = 0; i < OPTIONAL; i++) reader.extra[i] = trk_header_find(&reading->header, optional[i]);
     if (!reading->options->frame) trk_assume(reading, "gaze is in Unity's frame (RUF)");
-    for (;;) {
-        struct trk_sample sample;
-        enum trk_line line = trk_table_next(&reader.table, out_error);
-        if (line == TRK_LINE_FAILED) return false;
-        if (line == TRK_LINE_END) break;
-        if (!read_row(&reader, &sample, out_error) || !trk_log_append(reading, &sample, out_error))
-            return false;
-    }
+    if (!trk_table_read(&reader.table, read_row, &reader, out_error)) return false;
     if (reader.table.was_comma) trk_assume(reading, "commas in numbers are decimal");
     if (reader.clock.held) trk_assume(reading, "times that go back, held: %zu", reader.clock.held);
     return true;

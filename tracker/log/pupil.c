@@ -66,8 +66,9 @@ static bool begin_core(struct core *core, struct trk_reading *reading, char out_
                                           "no 3-D gaze: norm_pos through a scene camera", out_error);
 }
 
-static bool read_core_row(struct core *core, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
+static bool read_core_row(void *context, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
 {
+    struct core *core = context;
     struct trk_table *table = &core->table;
     double confidence, x, y;
     int64_t time_ns;
@@ -77,7 +78,7 @@ static bool read_core_row(struct core *core, struct trk_sample *sample, char out
         !trk_table_number(table, core->place[NORM + 1], &y, out_error))
         return false;
     if (!core->clock.started) core->clock = (struct trk_log_clock){.started = true, .first_ns = time_ns};
-    *sample = (struct trk_sample){.sequence = ++core->sequence};
+    sample->sequence = ++core->sequence;
     int64_t ns = time_ns - core->clock.first_ns + (int64_t)TRK_MAX_DISORDER_NS;
     if (ns < 0)
         return trk_lines_fail(&table->reading->lines, out_error,
@@ -107,14 +108,7 @@ static bool read_core(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE
     struct core core = {0};
     reading->disordered = true;
     if (!begin_core(&core, reading, out_error)) return false;
-    for (;;) {
-        struct trk_sample sample;
-        enum trk_line line = trk_table_next(&core.table, out_error);
-        if (line == TRK_LINE_FAILED) return false;
-        if (line == TRK_LINE_END) break;
-        if (!read_core_row(&core, &sample, out_error) || !trk_log_append(reading, &sample, out_error))
-            return false;
-    }
+    if (!trk_table_read(&core.table, read_core_row, &core, out_error)) return false;
     if (core.doubtful)
         trk_assume(reading, "samples of confidence below %g, counted as lost: %zu", MIN_CONFIDENCE,
                    core.doubtful);
@@ -141,47 +135,53 @@ static bool is_worn(const char *field)
     return strcmp(field, "False") != 0 && strcmp(field, "false") != 0; /* empty is not known */
 }
 
+struct cloud {
+    struct trk_table table;
+    struct trk_log_clock clock;
+    int place[CLOUD_COLUMNS], worn, blink; /* the last two are -1 where there are none */
+    double signs[2], unit_ns;
+    size_t blinks;
+    uint64_t sequence;
+};
+
+static bool read_cloud_row(void *context, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
+{
+    struct cloud *cloud = context;
+    struct trk_table *table = &cloud->table;
+    double azimuth, elevation;
+    int64_t time_ns;
+    if (!trk_table_time(table, cloud->place[STAMP], cloud->unit_ns, &time_ns, out_error) ||
+        !trk_log_clock_count(&cloud->clock, time_ns, &table->reading->lines, &sample->device_ns, out_error) ||
+        !trk_table_number(table, cloud->place[AZIMUTH], &azimuth, out_error) ||
+        !trk_table_number(table, cloud->place[ELEVATION], &elevation, out_error))
+        return false;
+    sample->sequence = ++cloud->sequence;
+    sample->arrival_ns = sample->device_ns;
+    if (cloud->blink >= 0 && *table->fields[cloud->blink]) {
+        cloud->blinks++;
+        trk_set_openness(sample, 0, 0);
+        trk_set_openness(sample, 1, 0);
+    } else if ((cloud->worn < 0 || is_worn(table->fields[cloud->worn])) && isfinite(azimuth) &&
+               isfinite(elevation)) {
+        trk_angles_direction(cloud->signs[0] * azimuth, cloud->signs[1] * elevation, sample->direction);
+        sample->valid |= TRK_DIRECTION;
+    }
+    return true;
+}
+
 static bool read_cloud(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
 {
-    struct trk_table table;
-    struct trk_log_clock clock = {0};
-    int place[CLOUD_COLUMNS], worn = trk_header_find(&reading->header, "worn"),
-                              blink = trk_header_find(&reading->header, "blink id");
-    double signs[2], unit_ns = trk_time_unit(reading, 1);
-    size_t blinks = 0;
-    uint64_t sequence = 0;
-    trk_table_init(&table, reading);
-    if (!trk_table_need(&table, cloud_names, CLOUD_COLUMNS, place, out_error) ||
-        !trk_reading_signs(reading, "RUF", signs, out_error))
+    struct cloud cloud = {.worn = trk_header_find(&reading->header, "worn"),
+                          .blink = trk_header_find(&reading->header, "blink id"),
+                          .unit_ns = trk_time_unit(reading, 1)};
+    trk_table_init(&cloud.table, reading);
+    if (!trk_table_need(&cloud.table, cloud_names, CLOUD_COLUMNS, cloud.place, out_error) ||
+        !trk_reading_signs(reading, "RUF", cloud.signs, out_error))
         return false;
     trk_assume(reading, "the head is the scene camera");
-    for (;;) {
-        double azimuth, elevation;
-        int64_t time_ns;
-        enum trk_line line = trk_table_next(&table, out_error);
-        if (line == TRK_LINE_FAILED) return false;
-        if (line == TRK_LINE_END) break;
-        if (!trk_table_time(&table, place[STAMP], unit_ns, &time_ns, out_error) ||
-            !trk_table_number(&table, place[AZIMUTH], &azimuth, out_error) ||
-            !trk_table_number(&table, place[ELEVATION], &elevation, out_error))
-            return false;
-        struct trk_sample sample = {.sequence = ++sequence};
-        if (!trk_log_clock_count(&clock, time_ns, &reading->lines, &sample.device_ns, out_error))
-            return false;
-        sample.arrival_ns = sample.device_ns;
-        bool closed = blink >= 0 && *table.fields[blink];
-        if (closed) {
-            blinks++;
-            trk_set_openness(&sample, 0, 0);
-            trk_set_openness(&sample, 1, 0);
-        } else if ((worn < 0 || is_worn(table.fields[worn])) && isfinite(azimuth) && isfinite(elevation)) {
-            trk_angles_direction(signs[0] * azimuth, signs[1] * elevation, sample.direction);
-            sample.valid |= TRK_DIRECTION;
-        }
-        if (!trk_log_append(reading, &sample, out_error)) return false;
-    }
-    if (blinks) trk_assume(reading, "samples in blinks, counted as lost: %zu", blinks);
-    if (clock.held) trk_assume(reading, "times that go back, held: %zu", clock.held);
+    if (!trk_table_read(&cloud.table, read_cloud_row, &cloud, out_error)) return false;
+    if (cloud.blinks) trk_assume(reading, "samples in blinks, counted as lost: %zu", cloud.blinks);
+    if (cloud.clock.held) trk_assume(reading, "times that go back, held: %zu", cloud.clock.held);
     return true;
 }
 

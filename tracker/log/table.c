@@ -122,6 +122,20 @@ enum trk_line trk_table_next(struct trk_table *table, char out_error[TRK_ERROR_S
     return line == TRK_LINE ? trk_table_split(table, out_error) : line;
 }
 
+bool trk_table_read(struct trk_table *table,
+                    bool (*read_row)(void *reader, struct trk_sample *out_sample,
+                                     char out_error[TRK_ERROR_SIZE]),
+                    void *reader, char out_error[TRK_ERROR_SIZE])
+{
+    enum trk_line line;
+    while ((line = trk_table_next(table, out_error)) == TRK_LINE) {
+        struct trk_sample sample = {0};
+        if (!read_row(reader, &sample, out_error)) return false;
+        if (sample.sequence > 0 && !trk_log_append(table->reading, &sample, out_error)) return false;
+    }
+    return line == TRK_LINE_END;
+}
+
 static bool is_missing(const char *field)
 {
     static const char *const words[] = {"", "nan", "-nan", "n/a", "na", ".", "none", "null", "-"};

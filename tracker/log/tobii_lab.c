@@ -160,10 +160,15 @@ static bool read_times(struct reader *reader, struct trk_sample *sample, char ou
            trk_log_clock_count(&reader->host, host_ns, lines, &sample->arrival_ns, out_error);
 }
 
-static bool read_row(struct reader *reader, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
+static bool read_row(void *context, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
 {
+    struct reader *reader = context;
     double x, y;
-    *sample = (struct trk_sample){.sequence = ++reader->sequence};
+    if (!is_gaze(reader)) {
+        reader->others++;
+        return true;
+    }
+    sample->sequence = ++reader->sequence;
     if (!read_times(reader, sample, out_error) || (reader->on_screen && !begin_plane(reader, out_error)) ||
         !read_eye(reader, 0, sample, out_error) || !read_eye(reader, 1, sample, out_error))
         return false;
@@ -184,18 +189,7 @@ static bool read_tobii_lab(struct trk_reading *reading, char out_error[TRK_ERROR
 {
     struct reader reader = {0};
     if (!begin(&reader, reading, out_error)) return false;
-    for (;;) {
-        struct trk_sample sample;
-        enum trk_line line = trk_table_next(&reader.table, out_error);
-        if (line == TRK_LINE_FAILED) return false;
-        if (line == TRK_LINE_END) break;
-        if (!is_gaze(&reader)) {
-            reader.others++;
-            continue;
-        }
-        if (!read_row(&reader, &sample, out_error) || !trk_log_append(reading, &sample, out_error))
-            return false;
-    }
+    if (!trk_table_read(&reader.table, read_row, &reader, out_error)) return false;
     if (reader.others) trk_assume(reading, "rows of other sensors, skipped: %zu", reader.others);
     if (reader.table.was_comma) trk_assume(reading, "commas in numbers are decimal");
     return true;
