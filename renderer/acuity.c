@@ -34,10 +34,31 @@ double rnd_acuity_integral(double eccentricity_deg)
            SCALE * (outer_integral(0.3 * eccentricity_deg + 1.0) - outer_integral(0.3 * FOVEA_DEG + 1.0));
 }
 
+/* Where the two branches of the published fit part. */
+static const float join = 0.0965f;
+
 float rnd_eccentricity_polynomial(float u)
 {
-    if (u <= 0.0965f) return 18.64f * sqrtf(u);
+    if (u <= join) return 18.64f * sqrtf(u);
     return (((25.09f * u + 0.1680f) * u + 27.61f) * u + 23.87f) * u + 3.232f;
+}
+
+float rnd_polynomial_inverse(float e, float *out_slope)
+{
+    *out_slope = 2.0f * e / (18.64f * 18.64f);
+    if (e <= rnd_eccentricity_polynomial(join)) return e * e / (18.64f * 18.64f);
+    *out_slope = 0.0f;
+    if (e < rnd_eccentricity_polynomial(nextafterf(join, 1.0f))) return join;
+    if (e > rnd_eccentricity_polynomial(1.0f)) return 1.0f;
+
+    /* Newton from the exact integral */
+    float u = (float)(rnd_acuity_integral(e) / rnd_acuity_integral(OUTER_DEG)), steepness = 1.0f;
+    for (int i = 0; i < 4; i++) {
+        steepness = ((4.0f * 25.09f * u + 3.0f * 0.1680f) * u + 2.0f * 27.61f) * u + 23.87f;
+        u -= ((((25.09f * u + 0.1680f) * u + 27.61f) * u + 23.87f) * u + 3.232f - e) / steepness;
+    }
+    *out_slope = 1.0f / steepness;
+    return u;
 }
 
 float rnd_eccentricity_exact(float u)

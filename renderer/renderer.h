@@ -71,6 +71,9 @@ struct rnd_aim {
     float fov[2];      /* its horizontal and vertical field of view, rad, each in (0, pi) */
     uint64_t sequence; /* of the gaze sample; tiles remember it */
     uint64_t time_ns;  /* when the gaze sample arrived; tiles remember it */
+    /* How many times wider than the eye's own acuity fv and fv-exact should be, for a gaze that is not sure: at
+     * eccentricity e they then follow m(e / spread), to 80 degrees as ever. 1 or less, also 0: as it is. */
+    float spread;
 };
 
 /* A way to place samples on the sphere of directions. */

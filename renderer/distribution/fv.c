@@ -10,14 +10,22 @@
 
 static const float deg = (float)(M_PI / 180.0);
 
-static void place(const struct rnd_aim *aim, size_t count, const float *u, float *out,
+/* A fovea s times as wide has the density g(e / s) on 0..80 degrees: with t = e / s that is the usual one on
+ * 0..80 / s, so the inversion serves it too, when its argument keeps to the share of u that lies there. */
+static float spread_of(const struct rnd_aim *aim)
+{
+    return fmaxf(aim->spread, 1.0f);
+}
+
+static void place(const struct rnd_aim *aim, float share, size_t count, const float *u, float *out,
                   float (*eccentricity)(float))
 {
     const vec3s gaze = rnd_vec(aim->gaze);
+    const float scale = spread_of(aim) * deg;
     vec3s x, y;
     rnd_frame(gaze, &x, &y);
     for (size_t i = 0; i < count; i++) {
-        const float e = eccentricity(u[2 * i]) * deg, phi = u[2 * i + 1] * 2.0f * (float)M_PI;
+        const float e = eccentricity(share * u[2 * i]) * scale, phi = u[2 * i + 1] * 2.0f * (float)M_PI;
         const float s = sinf(e);
         vec3s d = glms_vec3_scale(gaze, cosf(e));
         d = glms_vec3_muladds(x, s * cosf(phi), d);
@@ -38,41 +46,45 @@ static float eccentricity_of(const struct rnd_aim *aim, const float direction[3]
     return fmaxf(rnd_angle(rnd_vec(aim->gaze), rnd_vec(direction)) / deg, 1e-3f);
 }
 
+static float exact_share(float spread)
+{
+    return (float)(rnd_acuity_integral(RND_OUTER_DEG / spread) / rnd_acuity_integral(RND_OUTER_DEG));
+}
+
 static void exact_sample(const struct rnd_aim *aim, size_t count, const float *u, float *out)
 {
-    place(aim, count, u, out, rnd_eccentricity_exact);
+    place(aim, exact_share(spread_of(aim)), count, u, out, rnd_eccentricity_exact);
 }
 
 static float exact_density(const struct rnd_aim *aim, const float direction[3])
 {
-    const float e = eccentricity_of(aim, direction);
+    const float e = eccentricity_of(aim, direction), spread = spread_of(aim), t = e / spread;
     if (e > RND_OUTER_DEG) return 0.0f;
-    const float total = (float)rnd_acuity_integral(RND_OUTER_DEG);
-    return per_steradian(e, 2.0f * (float)M_PI * e * rnd_acuity(e) / total);
+    const float total = spread * (float)rnd_acuity_integral(RND_OUTER_DEG / spread);
+    return per_steradian(e, 2.0f * (float)M_PI * t * rnd_acuity(t) / total);
+}
+
+/* 1 without spread: the fit ends a little before 80 degrees. */
+static float polynomial_share(float spread)
+{
+    float slope;
+    return rnd_polynomial_inverse(RND_OUTER_DEG / spread, &slope);
 }
 
 static void polynomial_sample(const struct rnd_aim *aim, size_t count, const float *u, float *out)
 {
-    place(aim, count, u, out, rnd_eccentricity_polynomial);
+    place(aim, polynomial_share(spread_of(aim)), count, u, out, rnd_eccentricity_polynomial);
 }
 
-/* The density that the published fit implies: du/de, by Newton on e(u) from the exact integral. The two
- * branches do not meet: nothing falls in the thousandths of a degree between them, nor beyond e(1) = 79.97.
- */
+/* The density that the published fit implies: du/de. The two branches do not meet: nothing falls in the
+ * thousandths of a degree between them, nor beyond e(1) = 79.97. */
 static float polynomial_density(const struct rnd_aim *aim, const float direction[3])
 {
-    const float e = eccentricity_of(aim, direction);
-    const float join = 0.0965f;
-    if (e <= rnd_eccentricity_polynomial(join)) return per_steradian(e, 2.0f * e / (18.64f * 18.64f));
-    if (e < rnd_eccentricity_polynomial(nextafterf(join, 1.0f)) || e > rnd_eccentricity_polynomial(1.0f))
-        return 0.0f;
-
-    float u = (float)(rnd_acuity_integral(e) / rnd_acuity_integral(RND_OUTER_DEG)), slope = 1.0f;
-    for (int i = 0; i < 4; i++) {
-        slope = ((4.0f * 25.09f * u + 3.0f * 0.1680f) * u + 2.0f * 27.61f) * u + 23.87f;
-        u -= ((((25.09f * u + 0.1680f) * u + 27.61f) * u + 23.87f) * u + 3.232f - e) / slope;
-    }
-    return per_steradian(e, 1.0f / slope);
+    const float e = eccentricity_of(aim, direction), spread = spread_of(aim);
+    float slope;
+    if (e > RND_OUTER_DEG) return 0.0f;
+    rnd_polynomial_inverse(e / spread, &slope);
+    return per_steradian(e, slope / (polynomial_share(spread) * spread));
 }
 
 const struct rnd_distribution rnd_distribution_fv = {

@@ -112,11 +112,16 @@ static void polynomial_fit(void **state)
 }
 
 /* Stated density of a distribution at e degrees from its gaze, as a density per degree. */
-static double per_degree(const struct rnd_distribution *distribution, double e_deg)
+static double per_degree_spread(const struct rnd_distribution *distribution, double e_deg, float times)
 {
-    const struct rnd_aim aim = {.gaze = {0, 0, -1}, .view = {0, 0, 0, 1}, .fov = {1, 1}};
+    const struct rnd_aim aim = {.gaze = {0, 0, -1}, .view = {0, 0, 0, 1}, .fov = {1, 1}, .spread = times};
     const float direction[3] = {(float)sin(e_deg * deg), 0, (float)-cos(e_deg * deg)};
     return distribution->density(&aim, direction) * 2.0 * M_PI * sin(e_deg * deg) * deg;
+}
+
+static double per_degree(const struct rnd_distribution *distribution, double e_deg)
+{
+    return per_degree_spread(distribution, e_deg, 0);
 }
 
 /* The density that the polynomial implies, over 2 pi e / h(80), is an acuity of its own. Koskela 2018 states
@@ -166,6 +171,51 @@ static void polynomial_draws(void **state)
     assert_true(p > LEAST_P);
 }
 
+/* With a spread of s the density is that of acuity m(e / s), still over 80 degrees, and draws follow it in
+ * fine bins. A spread of 1, and one that is none, change no bit of what is drawn. */
+static void wider(void **state)
+{
+    (void)state;
+    enum { BINS = 160, DRAWS = 200000, STEPS = 400 };
+    static const char *const names[] = {"fv", "fv-exact"};
+    static const float times[] = {1, 2, 4};
+    static float u[2 * DRAWS], place[3 * DRAWS], usual[3 * DRAWS];
+    for (uint32_t i = 0; i < 2 * DRAWS; i++) u[i] = stat_uniform(3, i);
+    for (int k = 0; k < 6; k++) {
+        const struct rnd_distribution *d = rnd_distribution_find(names[k % 2]);
+        const float s = times[k / 2];
+        struct rnd_aim aim = {.gaze = {0, 0, -1}, .view = {0, 0, 0, 1}, .fov = {1, 1}};
+        static double count[BINS], expected[BINS];
+        double sum = 0.0, total = 0.0, worst = 0.0, outer = 0.0;
+        memset(count, 0, sizeof count);
+        memset(expected, 0, sizeof expected);
+        for (int i = 0; i < 80; i++) total += acuity_mass(i / s, (i + 1) / s) * s * s;
+        for (int i = 0; i < BINS * STEPS; i++) {
+            const double e = 80.0 * (i + 0.5) / (BINS * STEPS), p = per_degree_spread(d, e, s),
+                         m = 2.0 * M_PI * e * rnd_acuity((float)(e / s)) / total;
+            expected[i / STEPS] += DRAWS * p * 80.0 / (BINS * STEPS);
+            sum += p * 80.0 / (BINS * STEPS);
+            if (e < 79.8 && fabs(e / s - 5.79) > 0.02) worst = fmax(worst, fabs(p / m - 1.0));
+        }
+        d->sample(&aim, DRAWS, u, usual);
+        aim.spread = s;
+        d->sample(&aim, DRAWS, u, place);
+        if (s == 1) assert_memory_equal(place, usual, sizeof place);
+        for (int i = 0; i < DRAWS; i++) {
+            const double e = acos(fmin(1, -place[3 * i + 2])) / deg;
+            outer = fmax(outer, e);
+            count[(int)fmin(BINS - 1, e * BINS / 80.0)]++;
+        }
+        const double p = stat_chi_square_p(count, expected, BINS);
+        print_message("%s, spread %.0f: p %.3f, integral %.5f, from m(e / s) %.3f %%, to %.3f degrees\n",
+                      names[k % 2], s, p, sum, 100 * worst, outer);
+        assert_true(p > LEAST_P);
+        assert_true(fabs(sum - 1.0) < 1e-3);
+        assert_true(worst < (k % 2 ? 1e-4 : 0.027));
+        assert_true(outer > 79 && outer < 80.001);
+    }
+}
+
 /* --- on the sphere --- */
 
 struct named_aim {
@@ -187,7 +237,14 @@ static struct rnd_aim aim_of(double yaw, double pitch, double roll, double fov_x
                             .fov = {(float)(fov_x * deg), (float)(fov_y * deg)}};
 }
 
-enum { AIMS = 7 };
+enum { AIMS = 10 };
+
+/* The same with a fovea that is wider. */
+static struct rnd_aim spread(struct rnd_aim aim, float times)
+{
+    aim.spread = times;
+    return aim;
+}
 
 static void make_aims(struct named_aim aims[AIMS])
 {
@@ -199,6 +256,9 @@ static void make_aims(struct named_aim aims[AIMS])
         {"oblique", aim_of(-70, 35, 25, 100, 60, 0.9, 0.5, -0.2)},
         {"narrow", aim_of(155, 66, -50, 16, 7, -0.1, 0.9, 0.2)},
         {"wide", aim_of(-170, -20, 10, 165, 140, 0.2, -0.4, 0.8)},
+        {"spread 1", spread(aim_of(20, 10, 0, 90, 90, 0.4, 0.2, -0.9), 1)},
+        {"spread 2", spread(aim_of(20, 10, 0, 90, 90, 0.4, 0.2, -0.9), 2)},
+        {"spread 4", spread(aim_of(-40, 0, 0, 90, 90, -0.9, 0.1, -0.3), 4)},
     };
     memcpy(aims, made, sizeof made);
 }
@@ -272,7 +332,7 @@ static void assert_follows(const struct rnd_distribution *distribution, const st
     assert_true(outside < DRAWN / 100000); /* none but what rounding moved over the edge */
     for (int i = 0; i < CELLS; i++) mass[i] *= DRAWN / sum;
     const double p = stat_chi_square_p(count, mass, CELLS);
-    print_message("%-8s %-7s: p %.3f, integral %.5f\n", distribution->name, at->name, p, sum);
+    print_message("%-8s %-8s: p %.3f, integral %.5f\n", distribution->name, at->name, p, sum);
     assert_true(p > LEAST_P);
     assert_true(fabs(sum - 1.0) < 1e-3);
 }
@@ -356,15 +416,11 @@ static void table(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(acuity),
-        cmocka_unit_test(exact_inverse),
-        cmocka_unit_test(polynomial_fit),
-        cmocka_unit_test(polynomial_acuity),
-        cmocka_unit_test(polynomial_draws),
-        cmocka_unit_test(sphere),
-        cmocka_unit_test(corners),
-        cmocka_unit_test(azimuth),
-        cmocka_unit_test(table),
+        cmocka_unit_test(acuity),           cmocka_unit_test(exact_inverse),
+        cmocka_unit_test(polynomial_fit),   cmocka_unit_test(polynomial_acuity),
+        cmocka_unit_test(polynomial_draws), cmocka_unit_test(wider),
+        cmocka_unit_test(sphere),           cmocka_unit_test(corners),
+        cmocka_unit_test(azimuth),          cmocka_unit_test(table),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
