@@ -26,7 +26,7 @@ enum {
 
 /* The most bytes that a compressed log may unpack to: gzip folds a thousand to one, and nobody waits for
  * that. */
-#define TRK_MAX_UNPACKED (UINT64_C(4) << 30)
+#define TRK_MAX_UNPACKED (UINT64_C(2) << 30)
 
 /* How far a recorded unit vector or quaternion may be from length 1: a decimal log of three digits passes, a
  * vector in other units does not. */
