@@ -44,17 +44,14 @@ static bool is_usb(const struct fake_device *device)
 
 static void send_one(struct fake_device *device)
 {
+    /* As the kernel, keep no more than 64 that nobody reads. */
+    if (g_queue_get_length(&device->reports) == 64) return;
     struct fake_report *report = g_new0(struct fake_report, 1);
     if (is_usb(device))
         fake_usb_fill(device, report);
     else
         fake_hid_fill(device, report);
     device->sent_ns[device->sent++ % FAKE_SENT] = fake_now_ns();
-    /* As the kernel, keep no more than 64 that nobody reads. */
-    if (g_queue_get_length(&device->reports) == 64) {
-        g_free(report);
-        return;
-    }
     g_queue_push_tail(&device->reports, report);
     if (is_usb(device))
         fake_usb_pump(device);
@@ -90,8 +87,8 @@ static char *path_in_bed(const struct fake *fake, const char *node)
     return path;
 }
 
-/* A pseudo-terminal in place of the node that umockdev would make. Returns our end of it. */
-static int make_node(const struct fake *fake, const char *node)
+/* A pseudo-terminal in place of the node that umockdev would make. Returns our end of it, and theirs. */
+static int make_node(const struct fake *fake, const char *node, int *out_theirs)
 {
     int ours, theirs;
     char name[128];
@@ -100,8 +97,10 @@ static int make_node(const struct fake *fake, const char *node)
     tcgetattr(theirs, &settings);
     cfmakeraw(&settings);
     tcsetattr(theirs, TCSANOW, &settings);
-    close(theirs);
     fcntl(ours, F_SETFD, FD_CLOEXEC);
+    fcntl(theirs, F_SETFD, FD_CLOEXEC);
+    fcntl(theirs, F_SETFL, O_NONBLOCK);
+    *out_theirs = theirs;
     char *path = path_in_bed(fake, node), *folder = g_path_get_dirname(path);
     g_mkdir_with_parents(folder, 0755);
     unlink(path);
@@ -125,7 +124,7 @@ struct fake_device *fake_plug(struct fake *fake, enum fake_kind kind, double hz)
         fake_usb_describe(device, text);
     else
         fake_hid_describe(device, text);
-    device->pty = make_node(fake, device->node);
+    device->pty = make_node(fake, device->node, &device->read_end);
     device->handler = umockdev_ioctl_base_new();
     if (is_usb(device)) {
         g_signal_connect(device->handler, "handle-ioctl", G_CALLBACK(fake_usb_ioctl), device);
@@ -155,6 +154,7 @@ void fake_unplug(struct fake_device *device)
     pthread_mutex_lock(&device->lock);
     if (is_usb(device)) fake_usb_pump(device);
     close(device->pty); /* whoever waits for the node sees it hung up */
+    close(device->read_end);
     pthread_mutex_unlock(&device->lock);
     char *path = path_in_bed(fake, device->node);
     unlink(path);

@@ -23,9 +23,6 @@ enum fake_kind {
 };
 extern const char *const fake_kind_names[FAKE_KINDS];
 
-/* What the HID tracker says of its screen, and the circle around the screen's middle, um. */
-enum { FAKE_WIDTH_UM = 600000, FAKE_HEIGHT_UM = 340000, FAKE_RADIUS_UM = 100000, FAKE_HID_STEPS = 500 };
-
 /* One bed a process. Programs that are started afterwards with LD_PRELOAD=libumockdev-preload.so.0 are in it;
  * so is this one if it was itself. Aborts with a line when the bed cannot be made. */
 struct fake *fake_create(void);

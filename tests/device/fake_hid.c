@@ -2,18 +2,18 @@
 #include "fake_internal.h"
 
 #include "descriptors.h"
+#include "hid_tracker.h"
 
 #include <errno.h>
 #include <sys/ioctl.h>
 #include <linux/hidraw.h>
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
 #define PORT "/sys/devices/pci0000:00/0000:00:14.0/usb1/1-1"
 
-enum { REPORT = 65, CUT = 40 };
+enum { CUT = 40 };
 
 static size_t descriptor_size(const struct fake_device *device)
 {
@@ -55,36 +55,11 @@ void fake_hid_describe(struct fake_device *device, GString *out_text)
                            device->system[3] + 4, n, device->node, n, id);
 }
 
-static void put(uint8_t *out, uint64_t value, int bytes)
-{
-    for (int i = 0; i < bytes; i++) out[i] = (uint8_t)(value >> 8 * i);
-}
-
-/* Gaze goes around the middle once in FAKE_HID_STEPS reports; eyes at 65 cm; of the head nothing is known. */
-static void fill_gaze(struct fake_device *device, uint8_t report[REPORT])
-{
-    double angle = 2 * M_PI * (double)(device->sent % FAKE_HID_STEPS) / FAKE_HID_STEPS;
-    const int32_t um[8] = {
-        FAKE_WIDTH_UM / 2 + (int32_t)lrint(FAKE_RADIUS_UM * cos(angle)),
-        FAKE_HEIGHT_UM / 2 + (int32_t)lrint(FAKE_RADIUS_UM * sin(angle)),
-        FAKE_WIDTH_UM / 2 - 32000,
-        FAKE_HEIGHT_UM / 2,
-        650000,
-        FAKE_WIDTH_UM / 2 + 32000,
-        FAKE_HEIGHT_UM / 2,
-        650000,
-    };
-    report[0] = 0x10;
-    put(report + 1, fake_now_ns() / 1000, 8);
-    for (int i = 0; i < 8; i++) put(report + 9 + 4 * i, (uint32_t)um[i], 4);
-    for (int i = 8; i < 14; i++) put(report + 9 + 4 * i, INT32_MAX, 4);
-}
-
 void fake_hid_fill(struct fake_device *device, struct fake_report *out_report)
 {
     if (device->kind == FAKE_HID) {
-        out_report->size = REPORT;
-        fill_gaze(device, out_report->bytes);
+        out_report->size = HID_REPORT;
+        hid_fill(out_report->bytes, device->sent, fake_now_ns() / 1000);
         return;
     }
     uint64_t state = device->sent * 2654435761u + 1;
@@ -97,23 +72,13 @@ void fake_hid_fill(struct fake_device *device, struct fake_report *out_report)
     if (device->sent % 2) out_report->bytes[0] = device->sent % 4 == 1 ? 0x10 : 0x13;
 }
 
-/* Configuration (the size of the screen) and status; other reports are not answered. */
 static int get_feature(const struct fake_device *device, uint8_t *out, size_t size)
 {
     uint8_t report[19] = {out[0]};
-    size_t length = 0;
-    if (out[0] == 0x12) {
-        length = 19;
-        put(report + 11, FAKE_WIDTH_UM, 4);
-        put(report + 15, FAKE_HEIGHT_UM, 4);
-    } else if (out[0] == 0x13) {
-        length = 4;
-        report[1] = 1;
-        put(report + 2, (uint64_t)device->hz, 2);
-    }
-    if (length > size) length = size;
-    memcpy(out, report, length);
-    return length ? (int)length : -1;
+    int length = hid_feature(report, (unsigned)device->hz);
+    if (length > (int)size) length = (int)size;
+    memcpy(out, report, (size_t)length);
+    return length ? length : -1;
 }
 
 static int set_feature(struct fake_device *device, const uint8_t *bytes, size_t size)
@@ -166,7 +131,7 @@ gboolean fake_hid_ioctl(UMockdevIoctlBase *base, UMockdevIoctlClient *client, gp
     return TRUE;
 }
 
-/* One report a read. The true read takes the bytes that wait in the terminal; all but ours are put back. */
+/* One report a read, and the byte that stood for it taken out of the terminal. */
 gboolean fake_hid_read(UMockdevIoctlBase *base, UMockdevIoctlClient *client, gpointer user)
 {
     (void)base;
@@ -174,19 +139,17 @@ gboolean fake_hid_read(UMockdevIoctlBase *base, UMockdevIoctlClient *client, gpo
     fake_be_urgent();
     pthread_mutex_lock(&device->lock);
     struct fake_report *report = device->gone ? NULL : g_queue_pop_head(&device->reports);
-    int failure = 0;
+    size_t size = 0;
+    char byte;
     if (report) {
         UMockdevIoctlData *data = umockdev_ioctl_client_get_arg(client);
-        long taken = umockdev_ioctl_client_execute(client, &failure, NULL);
-        for (long i = 1; i < taken; i++)
-            if (write(device->pty, "", 1) != 1) perror("fake tracker: pty");
-        size_t size = report->size < (size_t)data->data_len ? report->size : (size_t)data->data_len;
+        size = report->size < (size_t)data->data_len ? report->size : (size_t)data->data_len;
         memcpy(data->data, report->bytes, size);
-        umockdev_ioctl_client_complete(client, (long)size, 0);
-    } else {
-        umockdev_ioctl_client_complete(client, -1, device->gone ? EIO : EAGAIN);
+        if (read(device->read_end, &byte, 1) != 1) perror("fake tracker: pty");
     }
+    int failure = device->gone ? EIO : EAGAIN;
     pthread_mutex_unlock(&device->lock);
+    umockdev_ioctl_client_complete(client, report ? (long)size : -1, report ? 0 : failure);
     g_free(report);
     return TRUE;
 }

@@ -26,7 +26,7 @@ struct fake_device {
 
     pthread_mutex_t lock; /* of all that follows: umockdev calls from a thread of its own */
     bool gone;
-    int pty;
+    int pty, read_end; /* the terminal's, and what the program has open too */
     GQueue reports;    /* struct fake_report, not yet read */
     GQueue urbs, done; /* struct urb of fake_usb.c: reads that wait, and what is to be reaped */
     uint64_t sent, sent_ns[FAKE_SENT];

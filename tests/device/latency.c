@@ -4,9 +4,8 @@
  *
  * A fake HID tracker sends through umockdev's hidraw, which costs more than the kernel's; a thread reads the
  * source, as fovead's does, and another renders batches of the length that fovead aims at. Prints, in ms:
- * sent to arrived, arrived to the start of the first batch with it, and both together, of every sample that
- * was the newest when a batch began, and of all; exit code 1 if the 99th percentile of the sum is over 5 ms.
- */
+ * sent to arrived, arrived to the start of the first batch after it, and both together, of every sample; exit
+ * code 1 if the 99th percentile of the sum is over 5 ms. */
 #include "fake.h"
 
 #include "renderer.h"

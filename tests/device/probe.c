@@ -124,7 +124,7 @@ int main(int count, char **arguments)
            (unsigned long long)tally.samples, (unsigned long long)tally.valid, (unsigned long long)tally.gaps,
            (unsigned long long)status.losses, status.connections, status.rate_hz, status.jitter_ms,
            status.drift_ppm, (double)tally.backlog_ns * 1e-6);
-    if (first.heap)
+    if (first.threads)
         printf(" descriptors=%d->%d threads=%d->%d", first.descriptors, last.descriptors, first.threads,
                last.threads);
     printf("\n");

@@ -77,8 +77,10 @@ static void auto_interrupt(struct trk_source *source)
 static void auto_status(struct trk_source *source, struct trk_status *out_status)
 {
     struct auto_source *both = (struct auto_source *)source;
+    bool taken_up = atomic_load(&both->taken_up);
     trk_get_status(both->device, out_status);
-    if (atomic_load(&both->taken_up)) return;
+    out_status->changes += taken_up; /* that alone changes the description */
+    if (taken_up) return;
     memcpy(out_status->description, source->description, sizeof source->description);
     out_status->is_device = false;
 }

@@ -27,7 +27,10 @@ void trk_be_prompt(void)
         int32_t nice;
         uint32_t priority;
         uint64_t runtime, deadline, period;
-    } attributes = {.size = sizeof attributes, .policy = SCHED_OTHER, .runtime = prompt_slice_ns};
+    } attributes = {.size = sizeof attributes};
+    if (syscall(SYS_sched_getattr, 0, &attributes, sizeof attributes, 0) != 0) return;
+    if (attributes.policy != SCHED_OTHER) return; /* somebody knows better */
+    attributes.runtime = prompt_slice_ns;
     syscall(SYS_sched_setattr, 0, &attributes, 0);
 }
 
