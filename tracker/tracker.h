@@ -94,7 +94,7 @@ struct trk_log_options {
 /* Read a log of any known format, told by what it begins with; gzip is unpacked. On failure returns false
  * with a line in out_error and leaves *out_log empty. Refused: what is no regular file, no rows, a header
  * that is unknown or may be of several formats, time or sequence going back, infinite numbers, directions
- * that are not of unit length where they should be, more than 64 Mi rows or 104 days, more than 4 GiB
+ * that are not of unit length where they should be, more than 64 Mi rows or 104 days, more than 2 GiB
  * unpacked. Samples that the tracker lost are in the log, without a direction. The caller frees with
  * trk_log_finish(). */
 bool trk_log_read(const char *path, struct trk_log *out_log, char out_error[TRK_ERROR_SIZE]);

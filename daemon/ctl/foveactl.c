@@ -23,11 +23,12 @@ static const struct ctl_command COMMANDS[] = {
     {"save", "FILE.exr", "have the daemon write colour, sample counts and errors", 1, CTL_DAEMON, ctl_save},
     {"samples", "FILE.exr OUT.png", "draw where samples went, from a file that was saved", 2, CTL_GAZE,
      ctl_samples},
-    {"gaze info", "LOG", "what a gaze log holds, and what was assumed of it", 1, CTL_JSON | CTL_LOG, ctl_gaze_info},
+    {"gaze info", "LOG", "what a gaze log holds, and what was assumed of it", 1, CTL_JSON | CTL_LOG,
+     ctl_gaze_info},
     {"gaze convert", "LOG OUT", "write it as OUT: .gaze (fovead's own) or _physio.tsv.gz (BIDS)", 2, CTL_LOG,
      ctl_gaze_convert},
-    {"gaze plot", "LOG OUT", "chart it as OUT, .svg or .png: yaw and pitch over time, path of gaze", 2, CTL_LOG,
-     ctl_gaze_plot},
+    {"gaze plot", "LOG OUT", "chart it as OUT, .svg or .png: yaw and pitch over time, path of gaze", 2,
+     CTL_LOG, ctl_gaze_plot},
     {0},
 };
 
@@ -52,7 +53,8 @@ static const char HELP[] =
     "  --format NAME           gaze ...: the log's format, where its content does not tell it\n"
     "  --time-unit UNIT        gaze ...: of its times: s, ms, us or ns\n"
     "  --frame XYZ             gaze ...: where its +X, +Y and +Z point: L or R, U or D, F or B\n"
-    "  --screen WIDTH,DISTANCE gaze ...: of a log in screen coordinates, metres; or one number, degrees across\n"
+    "  --screen WIDTH,DISTANCE gaze ...: of a log in screen coordinates, metres; or one number, degrees "
+    "across\n"
     "      --help, --version\n";
 
 static const struct option LONG[] = {
