@@ -36,6 +36,7 @@ for setting in /etc/apt/apt.conf /etc/apt/apt.conf.d/*; do
     [ -f "$setting" ] && cp "$setting" "$root/etc/apt/apt.conf.d/" || true
 done
 cp /etc/resolv.conf "$root/etc/resolv.conf"
+echo "127.0.0.1 localhost" >"$root/etc/hosts" # as the installer leaves it; debootstrap does not
 mount -t proc proc "$root/proc"
 mount --rbind /dev "$root/dev"
 git clone -q "$tree" "$root/fovead"
