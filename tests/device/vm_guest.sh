@@ -1,0 +1,79 @@
+# What the guest of vm.sh does: sh vm_guest.sh PROGRAMS. Trackers are kernel devices here, fovead is the one of PROGRAMS.
+programs=$1
+cd /run
+export HOME=/run XDG_RUNTIME_DIR=/run TMPDIR=/run
+failed=0
+
+fail() {
+    echo "FAIL: $*"
+    failed=1
+}
+
+seconds() { echo "  at $(cut -d' ' -f1 /proc/uptime) s"; }
+
+# probe SPEC LEAST CONNECTIONS NAME: until SIGTERM, in the background; judge, after, what it said.
+probe() { timeout 60 "$programs/device_probe" "$1" 60 >probe.out 2>probe.err & probe=$!; }
+judge() {
+    kill "$probe" 2>/dev/null
+    wait "$probe"
+    cat probe.out probe.err
+    valid=$(sed -n 's/.* valid=\([0-9]*\) .*/\1/p' probe.out)
+    connections=$(sed -n 's/.* connections=\([0-9]*\) .*/\1/p' probe.out)
+    [ "${valid:-0}" -ge "$1" ] || fail "${valid:-no} samples, expected $1 or more"
+    [ "${connections:-0}" -ge "$2" ] || fail "${connections:-no} connections, expected $2 or more"
+    ! grep -q FAIL probe.out || fail "$(cat probe.out)"
+    seconds
+}
+
+echo "== HID through uhid and hidraw: unplugged in the middle, and plugged in again"
+probe hid
+"$programs/vm_hid" 2 500 || fail "nobody opened the tracker"
+"$programs/vm_hid" 2 500 || fail "nobody opened the tracker again"
+sleep 0.5
+judge 500 2
+
+echo "== PlayStation VR2 through vhci_hcd and usbfs: the same"
+probe psvr2
+"$programs/vm_usb" 2 500 || fail "nobody asked for gaze"
+sleep 1
+"$programs/vm_usb" 2 500 || fail "nobody asked for gaze again"
+sleep 0.5
+judge 300 2
+
+echo "== fovead itself, both trackers at once; the one that it took is pulled out, and the other goes on"
+cat >room.mtl <<'END'
+newmtl wall
+Kd 0.6 0.6 0.6
+newmtl lamp
+Kd 0 0 0
+Ke 12 12 12
+END
+cat >room.obj <<'END'
+mtllib room.mtl
+v -2 -2 -2
+v 2 -2 -2
+v 2 2 -2
+v -2 2 -2
+v -0.5 1.99 -0.5
+v 0.5 1.99 -0.5
+v 0.5 1.99 0.5
+v -0.5 1.99 0.5
+usemtl wall
+f 1 2 3 4
+usemtl lamp
+f 5 6 7 8
+END
+"$programs/vm_hid" 3 250 & hid=$!
+"$programs/vm_usb" 3 250 & usb=$!
+timeout 60 "$programs/fovead" --scene room.obj --size 128 --gaze auto --until 9s --json >fovead.out 2>fovead.err || {
+    fail "fovead ended with $?"
+    cat fovead.err
+}
+wait "$hid" || fail "fovead never opened the HID tracker"
+wait "$usb" || fail "fovead never asked the PlayStation VR2 for gaze"
+grep gaze fovead.out
+grep -q '"gaze": "eye tracker' fovead.out || fail "$(cat fovead.err)"
+valid=$(sed -n 's/.*"gaze_valid": \([0-9]*\).*/\1/p' fovead.out)
+[ "${valid:-0}" -ge 200 ] || fail "fovead saw ${valid:-no} valid samples"
+seconds
+exit $failed
