@@ -5,7 +5,8 @@
  * Actions are done one after another, those before "run" before the program is started. KIND[:HZ] plugs one
  * in (hid, garbage, broken, psvr2; 500 Hz), out:KIND unplugs the last of a kind, wait:SECONDS waits, end
  * sends SIGTERM, and repeat:N does all actions after "run" N times. Then the program's end is awaited, and
- * its exit code is ours. Exit code 99: the program outlived "limit:SECONDS" (60), and was killed. */
+ * its exit code is ours. Exit code 99: the program outlived "limit:SECONDS" (60), and was killed. What the
+ * first eight devices were asked for is told at the end. */
 #include "fake.h"
 
 #include <signal.h>
@@ -129,6 +130,13 @@ int main(int count, char **arguments)
         kill(plug.child, SIGKILL);
         waitpid(plug.child, &plug.status, 0);
         plug.status = 99 << 8;
+    }
+    for (int i = 0; i < plug.count && i < 8; i++) {
+        unsigned starts, stops;
+        size_t calibration;
+        fake_requests(plug.plugged[i].device, &starts, &stops, &calibration);
+        fprintf(stderr, "plug: %s: started %u, stopped %u, calibration of %zu bytes\n",
+                fake_kind_names[plug.plugged[i].kind], starts, stops, calibration);
     }
     fake_destroy(plug.fake);
     return WIFEXITED(plug.status) ? WEXITSTATUS(plug.status) : 128 + WTERMSIG(plug.status);

@@ -1,6 +1,6 @@
 /* probe: read a gaze source as a program would, check what comes, and say what it was.
  *
- *   probe SPEC SECONDS [FALLBACK_LOG]
+ *   probe SPEC SECONDS [FALLBACK_LOG [CALIBRATION]]
  *
  * Reads until SECONDS have passed or SIGTERM comes. Samples must be in order of number and of every time,
  * directions of unit length, arrivals not in the future. Prints one line "name=value ..." for scripts; what
@@ -85,12 +85,15 @@ static void check(struct tally *tally, const struct trk_sample *sample)
 
 int main(int count, char **arguments)
 {
-    if (count < 3 || count > 4) {
-        fprintf(stderr, "usage: probe SPEC SECONDS [FALLBACK_LOG]\n");
+    if (count < 3 || count > 5) {
+        fprintf(stderr, "usage: probe SPEC SECONDS [FALLBACK_LOG [CALIBRATION]]\n");
         return 2;
     }
-    struct trk_source_options options = {
-        .spec = arguments[1], .speed = 1, .fallback_log = count > 3 ? arguments[3] : NULL, .loop = true};
+    struct trk_source_options options = {.spec = arguments[1],
+                                         .speed = 1,
+                                         .fallback_log = count > 3 ? arguments[3] : NULL,
+                                         .calibration = count > 4 ? arguments[4] : NULL,
+                                         .loop = true};
     char error[TRK_ERROR_SIZE] = "";
     uint64_t end_ns = now_ns() + (uint64_t)(atof(arguments[2]) * 1e9);
     struct tally tally = {0};

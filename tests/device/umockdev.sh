@@ -24,9 +24,9 @@ fail() {
 # run ACTION... -- COMMAND...: what it prints is kept in out and shown; it must end well.
 run() {
     status=0
-    umockdev-wrapper "$plug" "$@" >out 2>err || status=$?
+    ${wrapper-umockdev-wrapper} "$plug" "$@" >out 2>err || status=$?
     cat out
-    sed 's/^/  /' err
+    sed '/uevent_sender_send: No such device/d; s/^/  /' err
     [ "$status" = 0 ] || fail "exit code $status: plug $*"
 }
 
@@ -79,6 +79,7 @@ hid)
     is losses 1
     is connections 2
     is gaps 0
+    says 'plug: hid: started 1, stopped 1' # by the program, when it ends
     says 'screen of 600 x 340 mm (calibrated)'
     # Plugged in later; then one that sends garbage, which is survived, and the good one again.
     run run wait:0.3 hid wait:1.5 out:hid wait:0.2 garbage wait:0.5 out:garbage wait:0.2 hid wait:1 end -- "$probe" hid 30
@@ -102,6 +103,14 @@ psvr2)
     says 'PlayStation VR2 on /dev/bus/usb/001/002'
     run run wait:0.3 psvr2 wait:2 end -- "$probe" psvr2 30
     at_least valid 200
+    # A user's calibration goes to the device, whole; one that is not there is an error.
+    head -c 5000 /dev/zero >calibration
+    run psvr2 run wait:0.5 end -- "$probe" psvr2 30 none calibration
+    says 'plug: psvr2: started 1, stopped 1, calibration of 5000 bytes'
+    says 'calibrated from a file'
+    status=0
+    umockdev-wrapper "$plug" psvr2 -- "$probe" psvr2 1 none absent >out 2>err || status=$?
+    grep -q 'FAIL: absent: No such file' out || fail "$(cat out)"
     ;;
 auto)
     # A recording until a tracker comes; and no way back when it goes.
@@ -140,7 +149,9 @@ fovead)
 leak)
     # 12 times in and out, or as often as CYCLES says: no plugging is missed, descriptors and threads are as before, and
     # from the middle to the end the heap has not grown by more than allocators keep for themselves.
-    cycles=${CYCLES:-12}
+    # Without the wrapper there are no uevents, which fovead does not go by, and of which umockdev aborts when a program
+    # closes its socket for them in the same moment: once in some hundred times.
+    cycles=${CYCLES:-12} wrapper=
     for kind in ${KINDS:-hid psvr2}; do
         run "$kind" run repeat:"$cycles" wait:0.4 out:"$kind" wait:0.05 "$kind" limit:10 end -- "$probe" "$kind" "$((cycles * 3 + 10))"
         at_least connections "$cycles"
