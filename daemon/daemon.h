@@ -20,6 +20,7 @@
 
 #include "protocol.h"
 #include "renderer.h"
+#include "tracker.h"
 
 enum {
     DMN_MAX_LISTEN = 8,
@@ -82,7 +83,12 @@ struct dmn_options {
     const char *gaze; /* NULL: no source; samples are not steered */
     double speed;
     bool loop;
-    float fov[2]; /* rad, of the vp viewport */
+    bool raw_gaze, predict;
+    struct trk_screen screen;
+    const char *calibration; /* NULL: none */
+    const char *record;      /* NULL: not recorded */
+    bool replace;            /* what record names may exist */
+    float fov[2];            /* rad, of the vp viewport */
     bool virtual_clock;
     struct pro_address listen[DMN_MAX_LISTEN];
     int listens;
@@ -91,10 +97,10 @@ struct dmn_options {
     bool json;
 };
 
-enum dmn_parsed { DMN_RUN, DMN_ANSWERED, DMN_REFUSED };
+enum dmn_parsed { DMN_RUN, DMN_LIST, DMN_ANSWERED, DMN_REFUSED };
 
-/* Strings in *out_options point into argv. DMN_ANSWERED after --help or --version (exit 0), DMN_REFUSED after
- * one line on stderr (exit 2). */
+/* Strings in *out_options point into argv. DMN_LIST: only list eye trackers. DMN_ANSWERED after --help or
+ * --version (exit 0), DMN_REFUSED after one line on stderr (exit 2). */
 enum dmn_parsed dmn_options_parse(int argc, char **argv, struct dmn_options *out_options);
 
 /* --- what a client is sent next

@@ -15,6 +15,7 @@
 
 #include "loop.h"
 #include "report.h"
+#include "trackers.h"
 
 /* Batches of 5 ms follow the eye; without gaze or client longer ones cost less. */
 static const double STEERED_SECONDS = 0.005, UNSTEERED_SECONDS = 0.05;
@@ -127,7 +128,8 @@ static void print_start(const struct daemon *daemon)
                 info->unsupported);
     fprintf(daemon->out, "scene    %s\n", daemon->scene_line);
     fprintf(daemon->out, "eye      %.4g,%.4g,%.4g m\n", info->eye[0], info->eye[1], info->eye[2]);
-    fprintf(daemon->out, "gaze     %s\n", gaze.source);
+    fprintf(daemon->out, "gaze     %s\n", gaze.source.description);
+    if (*gaze.recording) fprintf(daemon->out, "records  %s\n", gaze.recording);
     fprintf(daemon->out, "film     %dx%d, mode %s, %d threads\n", options->render.width,
             options->render.height, options->render.distribution->name, options->render.threads);
     for (int i = 0; i < daemon->listeners; i++) {
@@ -183,7 +185,7 @@ static bool start(struct daemon *daemon)
     daemon->loop = dmn_loop_create(&loop, error);
     if (!daemon->loop) return fail(error);
     painter.context = daemon->loop;
-    common->saver = dmn_saver_start(common->render, dmn_loop_wake, daemon->loop);
+    common->saver = dmn_saver_start(common->render, common->gaze, dmn_loop_wake, daemon->loop);
     if (!common->saver) return fail("no thread can be made");
     serving = 1;
     if (!daemon->options.virtual_clock && !dmn_gaze_start(common->gaze, dmn_loop_wake, daemon->loop))
@@ -211,14 +213,28 @@ static void stop(struct daemon *daemon, struct dmn_work *out_work)
     dmn_report_progress_end(&daemon->bar);
 }
 
+/* End the recording, if there is one. */
+static bool finish_recording(struct daemon *daemon)
+{
+    struct dmn_gaze_state state;
+    char text[DMN_TEXT_SIZE];
+
+    dmn_gaze_state(daemon->common.gaze, &state);
+    if (!*state.recording) return true;
+    if (!dmn_gaze_record(daemon->common.gaze, NULL, false, text)) return fail(text);
+    fprintf(daemon->out, "fovead: %s\n", text);
+    return true;
+}
+
 static bool finish(struct daemon *daemon, const struct dmn_work *work)
 {
     const char *save = daemon->options.save;
     char error[RND_ERROR_SIZE];
     bool saved = save && rnd_render_save(daemon->common.render, save, error);
+    bool recorded = finish_recording(daemon);
 
     dmn_report_summary(&daemon->common, work, saved);
-    return !save || saved || fail(error);
+    return (!save || saved || fail(error)) && recorded;
 }
 
 int main(int argc, char **argv)
@@ -232,6 +248,8 @@ int main(int argc, char **argv)
         return 0;
     case DMN_REFUSED:
         return 2;
+    case DMN_LIST:
+        return dmn_list_trackers(daemon.options.json) ? 0 : 1;
     case DMN_RUN:
         break;
     }

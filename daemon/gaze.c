@@ -1,4 +1,6 @@
-/* The newest direction of the gaze. */
+/* What the picture is rendered for: the source's samples, and what the attention makes of them. */
+#include <errno.h>
+#include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -7,15 +9,17 @@
 #include <unistd.h>
 
 #include "gaze.h"
+#include "state.h"
 
 /* Samples kept for clients: two seconds at 120 Hz, a quarter at a kilohertz. */
 enum { KEPT = 256 };
 
-/* How long one wait for a sample lasts, so that stopping never hangs on a silent device. */
-static const uint64_t PATIENCE_NS = 100000000;
+/* How long one wait for a sample lasts, so that silence is noticed, and stopping never hangs on it. */
+static const uint64_t PATIENCE_NS = 50000000;
 
 struct dmn_gaze {
     struct trk_source *source; /* read by one thread; trk_push() and trk_interrupt() by any */
+    bool is_auto, virtual_clock;
     pthread_t thread;
     bool started;
     atomic_bool stop;
@@ -23,11 +27,21 @@ struct dmn_gaze {
     void *context;
 
     pthread_mutex_t lock; /* of all that follows */
-    struct rnd_aim aim, frozen_aim;
+    struct trk_attention *attention;
+    struct trk_gaze decision; /* the last */
+    uint64_t decided_ns;      /* when that was */
+    struct rnd_aim aim;
+    float measured[3]; /* the last valid direction */
     bool frozen, ended, has_view;
     float view[4], view_fov[2];
-    uint64_t count, valid;
-    struct dmn_gaze_sample kept[KEPT]; /* sample number n is at n % KEPT */
+    uint64_t samples, valid;
+    struct trk_status status;
+    bool has_rotation, recentred; /* there is one of an earlier day, for eye trackers; it is in use */
+    float rotation[4];
+    struct trk_recorder *recorder;
+    char recording[DMN_TEXT_SIZE];
+    uint64_t count;                    /* samples and decisions for clients so far: */
+    struct dmn_gaze_sample kept[KEPT]; /* number n is at n % KEPT */
 };
 
 /* The recording that comes with fovead: beside an installed program, else in the source tree. */
@@ -47,93 +61,198 @@ static const char *shipped_log(char *buffer, size_t size)
     return FOVEAD_FIXTURES "/hall.gaze";
 }
 
-struct dmn_gaze *dmn_gaze_open(const struct dmn_options *options, char out_error[TRK_ERROR_SIZE])
+static bool is_device(const char *spec)
 {
-    struct dmn_gaze *gaze = calloc(1, sizeof(*gaze));
+    return !strcmp(spec, "hid") || !strncmp(spec, "hid:", 4) || !strcmp(spec, "psvr2");
+}
+
+static bool open_source(struct dmn_gaze *gaze, const struct dmn_options *options,
+                        char out_error[TRK_ERROR_SIZE])
+{
     char buffer[4096];
+    const bool pointer = !strcmp(options->gaze, "pointer");
     struct trk_source_options source = {.spec = options->gaze,
+                                        .screen = options->screen,
+                                        .calibration = options->calibration,
                                         .fallback_log = shipped_log(buffer, sizeof(buffer)),
                                         .speed = options->speed,
                                         .loop = options->loop,
                                         .virtual_clock = options->virtual_clock};
+    /* A pointer is where its user puts it, and stays there. */
+    struct trk_attention_options attention = {
+        .raw = options->raw_gaze || pointer, .predict = options->predict, .silence_is_rest = pointer};
+
+    gaze->is_auto = !strcmp(options->gaze, "auto");
+    if (options->calibration && access(options->calibration, R_OK)) {
+        snprintf(out_error, TRK_ERROR_SIZE, "%.400s: %s", options->calibration, strerror(errno));
+        return false;
+    }
+    if (!(gaze->source = trk_open(&source, out_error))) return false;
+    if (!(gaze->attention = trk_attention_create(&attention))) {
+        snprintf(out_error, TRK_ERROR_SIZE, "out of memory");
+        return false;
+    }
+    trk_get_status(gaze->source, &gaze->status);
+    /* What was made for a headset that had slipped is not for recordings. */
+    gaze->has_rotation = (gaze->is_auto || is_device(options->gaze)) && !options->virtual_clock &&
+                         dmn_state_load(gaze->rotation);
+    return true;
+}
+
+struct dmn_gaze *dmn_gaze_open(const struct dmn_options *options, char out_error[TRK_ERROR_SIZE])
+{
+    struct dmn_gaze *gaze = calloc(1, sizeof(*gaze));
+    char text[DMN_TEXT_SIZE];
 
     if (!gaze) {
         snprintf(out_error, TRK_ERROR_SIZE, "out of memory");
         return NULL;
     }
-    if (options->gaze && !(gaze->source = trk_open(&source, out_error))) {
-        free(gaze);
-        return NULL;
-    }
-    gaze->ended = !gaze->source;
     pthread_mutex_init(&gaze->lock, NULL);
+    gaze->virtual_clock = options->virtual_clock;
+    gaze->ended = !options->gaze;
     gaze->aim = (struct rnd_aim){.gaze = {0, 0, -1}, .view = {0, 0, 0, 1}};
+    gaze->measured[2] = -1;
     memcpy(gaze->aim.fov, options->fov, sizeof(gaze->aim.fov));
+    strcpy(gaze->status.description, "none");
+    if (options->gaze && !open_source(gaze, options, out_error)) goto fail;
+    if (options->record && !dmn_gaze_record(gaze, options->record, options->replace, text)) {
+        snprintf(out_error, TRK_ERROR_SIZE, "%.500s", text);
+        goto fail;
+    }
     return gaze;
+fail:
+    dmn_gaze_close(gaze);
+    return NULL;
 }
 
 void dmn_gaze_close(struct dmn_gaze *gaze)
 {
     if (!gaze) return;
+    trk_recorder_close(gaze->recorder, NULL, (char[TRK_ERROR_SIZE]){0});
+    trk_attention_destroy(gaze->attention);
     trk_close(gaze->source);
     pthread_mutex_destroy(&gaze->lock);
     free(gaze);
 }
 
-/* The direction is held where the sample has none; the head moves on all the same. */
-static void accept(struct dmn_gaze *gaze, const struct trk_sample *sample)
-{
-    struct dmn_gaze_sample *kept;
-    bool valid;
+/* --- decisions: with the lock held
+ * ------------------------------------------------------------------------------ */
 
-    pthread_mutex_lock(&gaze->lock);
-    valid = trk_world_direction(sample, gaze->aim.gaze);
-    if (valid) {
-        gaze->aim.sequence = sample->sequence;
-        gaze->aim.time_ns = sample->arrival_ns;
-        gaze->valid++;
-    }
+/* Where the head is, or as long as that is unknown where the eye looks, the viewport is. */
+static void take_view(struct dmn_gaze *gaze, const struct trk_sample *sample, bool valid)
+{
+    if (gaze->frozen) return;
     if (sample->valid & TRK_HEAD)
         memcpy(gaze->aim.view, sample->head + 3, sizeof(gaze->aim.view));
     else if (valid)
-        dmn_orientation(gaze->aim.gaze, gaze->aim.view);
-    kept = &gaze->kept[++gaze->count % KEPT];
-    *kept = (struct dmn_gaze_sample){
-        .sequence = sample->sequence,
-        .device_ns = sample->device_ns,
-        .arrival_ns = sample->arrival_ns,
-        .valid = valid,
-        .has_head = sample->valid & TRK_HEAD,
-        .frozen = gaze->frozen,
-    };
-    memcpy(kept->direction, gaze->aim.gaze, sizeof(kept->direction));
-    memcpy(kept->head, sample->head + 3, sizeof(kept->head));
-    pthread_mutex_unlock(&gaze->lock);
+        dmn_orientation(gaze->measured, gaze->aim.view);
 }
 
-/* True while there may be more. */
-static bool read_one(struct dmn_gaze *gaze, uint64_t until_ns, enum trk_result *out_result)
+static void keep(struct dmn_gaze *gaze, const struct trk_sample *sample_or_null)
+{
+    const struct dmn_gaze_sample *last = &gaze->kept[gaze->count % KEPT];
+    struct dmn_gaze_sample next = *last;
+
+    if (sample_or_null) {
+        next.sequence = sample_or_null->sequence;
+        next.device_ns = sample_or_null->device_ns;
+        next.sensor_ns = sample_or_null->sensor_ns;
+        next.arrival_ns = sample_or_null->arrival_ns;
+        next.valid = sample_or_null->valid & TRK_DIRECTION;
+        next.has_head = sample_or_null->valid & TRK_HEAD;
+        memcpy(next.head, sample_or_null->head + 3, sizeof(next.head));
+    }
+    memcpy(next.direction, gaze->measured, sizeof(next.direction));
+    next.frozen = gaze->frozen;
+    next.decision = gaze->decision;
+    gaze->kept[++gaze->count % KEPT] = next;
+}
+
+/* True if there is something that clients should hear of. */
+static bool decide(struct dmn_gaze *gaze, const struct trk_sample *sample_or_null, uint64_t now_ns)
+{
+    struct trk_gaze before = gaze->decision, *now = &gaze->decision;
+
+    trk_attend(gaze->attention, sample_or_null, now_ns, now);
+    gaze->decided_ns = now_ns;
+    if (now->moved) {
+        memcpy(gaze->aim.gaze, now->direction, sizeof(gaze->aim.gaze));
+        gaze->aim.spread = now->spread;
+        gaze->aim.sequence = now->sequence;
+        gaze->aim.time_ns = sample_or_null ? sample_or_null->arrival_ns : now_ns;
+    }
+    if (!sample_or_null && !now->moved && now->state == before.state && now->why == before.why) return false;
+    keep(gaze, sample_or_null);
+    return true;
+}
+
+static void accept(struct dmn_gaze *gaze, const struct trk_sample *sample, uint64_t now_ns)
+{
+    bool valid = trk_world_direction(sample, gaze->measured);
+
+    gaze->ended = false;
+    gaze->samples++;
+    gaze->valid += valid;
+    take_view(gaze, sample, valid);
+    if (gaze->recorder) trk_recorder_append(gaze->recorder, sample);
+    decide(gaze, sample, now_ns);
+}
+
+/* What the source has become: auto takes up eye trackers, and those come and go. */
+static void note_status(struct dmn_gaze *gaze, const struct trk_status *status)
+{
+    static const float none[4] = {0, 0, 0, 1};
+
+    if (status->changes != gaze->status.changes) fprintf(stderr, "fovead: gaze: %s\n", status->description);
+    gaze->status = *status;
+    if (!status->is_device || gaze->recentred) return;
+    gaze->recentred = true;
+    trk_recentre_set(gaze->attention, gaze->has_rotation ? gaze->rotation : none);
+}
+
+/* --- the source
+ * ------------------------------------------------------------------------------------------------ */
+
+/* Read once. True while there may be more; *out_news if clients should hear of something. */
+static bool read_one(struct dmn_gaze *gaze, uint64_t until_ns, enum trk_result *out_result, bool *out_news)
 {
     char error[TRK_ERROR_SIZE];
     struct trk_sample sample;
+    struct trk_status status;
+    uint64_t now_ns;
+    bool more;
 
     *out_result = trk_read(gaze->source, until_ns, &sample, error);
-    if (*out_result == TRK_SAMPLE) accept(gaze, &sample);
-    if (*out_result == TRK_FAILED) fprintf(stderr, "fovead: gaze: %s; it stays where it was\n", error);
-    if (*out_result == TRK_SAMPLE || *out_result == TRK_TIMEOUT) return true;
+    trk_get_status(gaze->source, &status);
+    now_ns = !gaze->virtual_clock ? dmn_now_ns() : *out_result == TRK_SAMPLE ? sample.arrival_ns : until_ns;
     pthread_mutex_lock(&gaze->lock);
-    gaze->ended = true;
+    /* When a recording has ended, gaze is still where that left it, until a tracker says otherwise. */
+    if (*out_result == TRK_SAMPLE || (*out_result == TRK_TIMEOUT && !gaze->ended)) note_status(gaze, &status);
+    /* auto goes on to wait for a device when its recording has ended. */
+    more = *out_result == TRK_SAMPLE || *out_result == TRK_TIMEOUT ||
+           (*out_result == TRK_END && gaze->is_auto && !gaze->ended);
+    *out_news = true;
+    if (*out_result == TRK_SAMPLE)
+        accept(gaze, &sample, now_ns);
+    else if (*out_result != TRK_TIMEOUT)
+        gaze->ended = true; /* which is no silence: gaze stays where it was */
+    else
+        *out_news = !gaze->ended && decide(gaze, NULL, now_ns);
     pthread_mutex_unlock(&gaze->lock);
-    return false;
+    if (*out_result == TRK_FAILED) fprintf(stderr, "fovead: gaze: %s; it stays where it was\n", error);
+    return more;
 }
 
 static void *read_all(void *argument)
 {
     struct dmn_gaze *gaze = argument;
     enum trk_result result;
+    bool news;
 
-    while (!atomic_load(&gaze->stop) && read_one(gaze, dmn_now_ns() + PATIENCE_NS, &result))
-        if (result == TRK_SAMPLE) gaze->wake(gaze->context);
+    trk_be_prompt();
+    while (!atomic_load(&gaze->stop) && read_one(gaze, dmn_now_ns() + PATIENCE_NS, &result, &news))
+        if (news) gaze->wake(gaze->context);
     gaze->wake(gaze->context);
     return NULL;
 }
@@ -159,14 +278,18 @@ void dmn_gaze_stop(struct dmn_gaze *gaze)
 void dmn_gaze_advance(struct dmn_gaze *gaze, uint64_t now_ns)
 {
     enum trk_result result = TRK_SAMPLE;
+    bool news;
 
-    while (!gaze->ended && result == TRK_SAMPLE && read_one(gaze, now_ns, &result)) continue;
+    while (!gaze->ended && result == TRK_SAMPLE && read_one(gaze, now_ns, &result, &news)) continue;
 }
+
+/* --- for whoever asks
+ * ------------------------------------------------------------------------------------------ */
 
 void dmn_gaze_aim(struct dmn_gaze *gaze, struct rnd_aim *out_aim)
 {
     pthread_mutex_lock(&gaze->lock);
-    *out_aim = gaze->frozen ? gaze->frozen_aim : gaze->aim;
+    *out_aim = gaze->aim;
     if (gaze->has_view) {
         memcpy(out_aim->view, gaze->view, sizeof(out_aim->view));
         memcpy(out_aim->fov, gaze->view_fov, sizeof(out_aim->fov));
@@ -176,15 +299,20 @@ void dmn_gaze_aim(struct dmn_gaze *gaze, struct rnd_aim *out_aim)
 
 void dmn_gaze_state(struct dmn_gaze *gaze, struct dmn_gaze_state *out_state)
 {
+    struct trk_recorder_state recorder = {0};
+
     pthread_mutex_lock(&gaze->lock);
+    if (gaze->recorder) trk_recorder_look(gaze->recorder, &recorder);
     *out_state = (struct dmn_gaze_state){
-        .samples = gaze->count,
+        .samples = gaze->samples,
         .valid = gaze->valid,
         .frozen = gaze->frozen,
         .ended = gaze->ended,
-        .source = gaze->source ? trk_describe(gaze->source) : "none",
+        .source = gaze->status,
+        .recorded = recorder.written,
     };
     memcpy(out_state->direction, gaze->aim.gaze, sizeof(out_state->direction));
+    memcpy(out_state->recording, gaze->recording, sizeof(out_state->recording));
     pthread_mutex_unlock(&gaze->lock);
 }
 
@@ -215,12 +343,19 @@ bool dmn_gaze_has_next(struct dmn_gaze *gaze, uint64_t cursor)
     return found;
 }
 
+/* --- what clients ask for
+ * -------------------------------------------------------------------------------------- */
+
 void dmn_gaze_freeze(struct dmn_gaze *gaze, bool frozen)
 {
     pthread_mutex_lock(&gaze->lock);
-    if (frozen && !gaze->frozen) gaze->frozen_aim = gaze->aim;
     gaze->frozen = frozen;
+    if (gaze->attention) {
+        trk_attention_freeze(gaze->attention, frozen);
+        decide(gaze, NULL, gaze->decided_ns); /* at once, and without time passing */
+    }
     pthread_mutex_unlock(&gaze->lock);
+    if (gaze->wake) gaze->wake(gaze->context);
 }
 
 void dmn_gaze_push(struct dmn_gaze *gaze, const float direction[3])
@@ -230,6 +365,8 @@ void dmn_gaze_push(struct dmn_gaze *gaze, const float direction[3])
 
 void dmn_gaze_view(struct dmn_gaze *gaze, const float orientation[4], float fov_x, float fov_y)
 {
+    static const float forward[4] = {0, 0, 0, 1};
+
     pthread_mutex_lock(&gaze->lock);
     gaze->has_view = orientation;
     if (orientation) {
@@ -237,5 +374,92 @@ void dmn_gaze_view(struct dmn_gaze *gaze, const float orientation[4], float fov_
         gaze->view_fov[0] = fov_x;
         gaze->view_fov[1] = fov_y;
     }
+    if (gaze->attention) trk_attention_view(gaze->attention, orientation ? orientation : forward);
     pthread_mutex_unlock(&gaze->lock);
+}
+
+bool dmn_gaze_recentre(struct dmn_gaze *gaze, const float *target_or_null, char out_text[DMN_TEXT_SIZE])
+{
+    char error[TRK_ERROR_SIZE] = "recentre: there is no gaze";
+    float rotation[4] = {0, 0, 0, 1};
+    bool good, device;
+    double turn_deg;
+    size_t length;
+
+    pthread_mutex_lock(&gaze->lock);
+    good = gaze->attention && trk_recentre(gaze->attention, target_or_null, error);
+    if (good) trk_recentre_get(gaze->attention, rotation);
+    device = gaze->status.is_device;
+    pthread_mutex_unlock(&gaze->lock);
+    if (!good) {
+        snprintf(out_text, DMN_TEXT_SIZE, "%s", error);
+        return false;
+    }
+    turn_deg = 2 * acos(fmin(1, fabs((double)rotation[3]))) * 180 / M_PI;
+    length = (size_t)snprintf(out_text, DMN_TEXT_SIZE, "gaze is turned by %.1f degrees", turn_deg);
+    if (!device) {
+        snprintf(out_text + length, DMN_TEXT_SIZE - length,
+                 " until fovead ends: it comes from no eye tracker");
+        return true;
+    }
+    good = dmn_state_save(rotation, error);
+    snprintf(out_text + length, DMN_TEXT_SIZE - length,
+             good ? ", also after the next start%s" : ", but that is not kept: %s", good ? "" : error);
+    return good;
+}
+
+static bool start_recording(struct dmn_gaze *gaze, const char *path, bool replace,
+                            char out_text[DMN_TEXT_SIZE])
+{
+    char error[TRK_ERROR_SIZE];
+    struct trk_recorder *recorder;
+
+    if (!gaze->source) {
+        snprintf(out_text, DMN_TEXT_SIZE, "there is no gaze to record");
+        return false;
+    }
+    if (gaze->recorder) {
+        snprintf(out_text, DMN_TEXT_SIZE, "gaze is being recorded to %.900s", gaze->recording);
+        return false;
+    }
+    if (!(recorder = trk_recorder_open(path, replace, error))) {
+        snprintf(out_text, DMN_TEXT_SIZE, "%s", error);
+        return false;
+    }
+    pthread_mutex_lock(&gaze->lock);
+    gaze->recorder = recorder;
+    snprintf(gaze->recording, sizeof(gaze->recording), "%s", path);
+    pthread_mutex_unlock(&gaze->lock);
+    snprintf(out_text, DMN_TEXT_SIZE, "recording to %.900s", path);
+    return true;
+}
+
+bool dmn_gaze_record(struct dmn_gaze *gaze, const char *path_or_null, bool replace,
+                     char out_text[DMN_TEXT_SIZE])
+{
+    struct trk_recorder_state state;
+    struct trk_recorder *recorder;
+    char path[DMN_TEXT_SIZE], error[TRK_ERROR_SIZE];
+    size_t length;
+    bool good;
+
+    if (path_or_null) return start_recording(gaze, path_or_null, replace, out_text);
+    pthread_mutex_lock(&gaze->lock);
+    recorder = gaze->recorder;
+    gaze->recorder = NULL;
+    memcpy(path, gaze->recording, sizeof(path));
+    gaze->recording[0] = '\0';
+    pthread_mutex_unlock(&gaze->lock);
+    if (!recorder) {
+        snprintf(out_text, DMN_TEXT_SIZE, "gaze is not being recorded");
+        return false;
+    }
+    good = trk_recorder_close(recorder, &state, error);
+    length = (size_t)snprintf(out_text, DMN_TEXT_SIZE, "recorded %llu samples to %.800s",
+                              (unsigned long long)state.written, path);
+    if (state.dropped || state.refused)
+        length += (size_t)snprintf(out_text + length, DMN_TEXT_SIZE - length, ", %llu dropped, %llu refused",
+                                   (unsigned long long)state.dropped, (unsigned long long)state.refused);
+    if (!good) snprintf(out_text, DMN_TEXT_SIZE, "%s", error);
+    return good;
 }

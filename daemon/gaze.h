@@ -1,41 +1,47 @@
-/* gaze: the newest direction of the gaze, from whatever source, for whoever asks.
+/* gaze: what the picture is rendered for, from whatever source, for whoever asks.
  *
- * It holds the last valid direction when the source loses the eye, stays where it was while frozen, and keeps
- * the last second of samples for clients. Any thread may call any function, except that one thread reads the
- * source: dmn_gaze_start()'s own, or with the virtual clock the caller of dmn_gaze_advance(). */
+ * It reads the source, has the tracker's attention decide what every sample (and every silence) means, keeps
+ * the last decisions for clients, and records the samples if that is wanted. Any thread may call any
+ * function, except that one thread reads the source: dmn_gaze_start()'s own, or with the virtual clock the
+ * caller of dmn_gaze_advance(); and that dmn_gaze_record() and dmn_gaze_recentre() wait for the disk. */
 #ifndef FOVEAD_DAEMON_GAZE_H
 #define FOVEAD_DAEMON_GAZE_H
 
 #include "daemon.h"
-#include "tracker.h"
+
+enum { DMN_TEXT_SIZE = 1024 }; /* of one line on what was done, or why not */
 
 struct dmn_gaze;
 
-/* What a client is told of one sample. */
+/* What a client is told: of every sample, and of every decision that a silence brought. */
 struct dmn_gaze_sample {
-    uint64_t sequence, device_ns, arrival_ns;
-    float direction[3]; /* unit, world; the last valid one if this sample has none */
+    uint64_t sequence, device_ns, sensor_ns, arrival_ns;
+    float direction[3]; /* unit, world: as measured; the last valid one if this sample has none */
     float head[4];      /* orientation, head to world */
     bool valid, has_head, frozen;
+    struct trk_gaze decision; /* what is rendered for */
 };
 
 struct dmn_gaze_state {
     uint64_t samples, valid;
-    float direction[3]; /* forward before the first valid sample */
+    float direction[3]; /* that is rendered for; forward before the first valid sample */
     bool frozen, ended;
-    const char *source; /* one line */
+    struct trk_status source;
+    char recording[DMN_TEXT_SIZE]; /* the file; "": none */
+    uint64_t recorded;             /* samples handed to it */
 };
 
 /* options->gaze may be NULL: the aim is then forward for ever. NULL and a line in out_error on failure. */
 struct dmn_gaze *dmn_gaze_open(const struct dmn_options *options, char out_error[TRK_ERROR_SIZE]);
 void dmn_gaze_close(struct dmn_gaze *gaze); /* accepts NULL; after dmn_gaze_stop() */
 
-/* Read the source in a thread of its own; wake(context) is called after every sample. */
+/* Read the source in a thread of its own; wake(context) is called after every sample and decision. */
 bool dmn_gaze_start(struct dmn_gaze *gaze, void (*wake)(void *context), void *context);
 void dmn_gaze_stop(struct dmn_gaze *gaze);
 /* The virtual clock: take every sample up to now_ns. */
 void dmn_gaze_advance(struct dmn_gaze *gaze, uint64_t now_ns);
 
+/* The aim's sequence and time are those of the sample that moved it last. */
 void dmn_gaze_aim(struct dmn_gaze *gaze, struct rnd_aim *out_aim);
 void dmn_gaze_state(struct dmn_gaze *gaze, struct dmn_gaze_state *out_state);
 
@@ -50,5 +56,14 @@ void dmn_gaze_freeze(struct dmn_gaze *gaze, bool frozen);
 void dmn_gaze_push(struct dmn_gaze *gaze, const float direction[3]);
 /* The viewport that a client looks through, instead of head or gaze; NULL: none any more. */
 void dmn_gaze_view(struct dmn_gaze *gaze, const float orientation[4], float fov_x, float fov_y);
+
+/* The eye looks at target now (unit, world; NULL: the view's centre): turn all gaze accordingly, and of an
+ * eye tracker keep that for the next start. out_text says what was done, or why not. */
+bool dmn_gaze_recentre(struct dmn_gaze *gaze, const float *target_or_null, char out_text[DMN_TEXT_SIZE]);
+
+/* Record samples to a file from now on; NULL: end that. One thread at a time. out_text says what was done, or
+ * why not. */
+bool dmn_gaze_record(struct dmn_gaze *gaze, const char *path_or_null, bool replace,
+                     char out_text[DMN_TEXT_SIZE]);
 
 #endif

@@ -12,8 +12,9 @@
 /* Levels of at most so many tiles go whole before anything is refined: a picture of 512 x 256 pixels. */
 enum { COARSE_TILES = 32 };
 
-/* Paths a pixel that a tile must have before it hides the coarser one. Of the finest levels more is asked: with fewer,
- * four times as many in a pixel of twice the size show more than the detail that drowns in noise. */
+/* Paths a pixel that a tile must have before it hides the coarser one. Of the finest levels more is asked:
+ * with fewer, four times as many in a pixel of twice the size show more than the detail that drowns in noise.
+ */
 enum { FINE_LEVELS = 3, FINE_PATHS = 4, COARSE_PATHS = 1 };
 
 static uint64_t enough(int level)

@@ -29,11 +29,26 @@ static const char HELP[] =
     "  --threads N             that trace paths; one a processor\n"
     "\n"
     "Where the eye looks\n"
-    "  --gaze SOURCE           auto: an eye tracker if there is one, otherwise the recording that comes "
-    "with\n"
-    "                          fovead; replay:FILE: a recorded log; synthetic or synthetic:SEED: an observer "
-    "made\n"
-    "                          up; pointer: whatever clients send (foveactl look)\n"
+    "  --gaze SOURCE           auto: an eye tracker as soon as there is one, until then the recording that "
+    "comes\n"
+    "                          with fovead; hid or hid:/dev/hidrawN: a HID eye tracker; psvr2: a PlayStation "
+    "VR2;\n"
+    "                          replay:FILE: a recorded log; synthetic or synthetic:SEED: an observer made "
+    "up;\n"
+    "                          pointer: whatever clients send (foveactl look)\n"
+    "  --list-trackers         what eye trackers are plugged in, what they can do, why one cannot be opened; "
+    "then\n"
+    "                          fovead ends\n"
+    "  --screen W,H,D          of a HID tracker: width and height of its screen and distance of the eyes, m, "
+    "if it\n"
+    "                          does not say, or says it wrongly; 0.531,0.299,0.65\n"
+    "  --calibration FILE      of the PlayStation VR2's user, as the device gave it\n"
+    "  --raw-gaze              follow every sample as measured: no filter, no dead zone\n"
+    "  --predict               during a saccade, render for where it will land\n"
+    "  --record FILE           record the gaze samples, as a log for replay:FILE; nothing but its last "
+    "second "
+    "can\n"
+    "                          be lost. --replace: a file of that name may go\n"
     "  --speed F               pace of a replay: 2 is twice as fast, 0 as fast as it can be read; 1\n"
     "  --loop                  start the recording again at its end\n"
     "  --mode MODE             where samples fall:\n";
@@ -80,7 +95,7 @@ static const char HELP_REST[] =
 struct parser {
     struct dmn_options *out;
     const char *mode;
-    bool has_gaze, has_speed, has_fov;
+    bool has_gaze, has_speed, has_fov, has_screen, list;
 };
 
 static bool refuse(const char *format, ...) __attribute__((format(printf, 1, 2)));
@@ -135,6 +150,17 @@ static bool take_fov(struct parser *p, const char *text)
     return p->has_fov = true;
 }
 
+static bool take_screen(struct parser *p, const char *text)
+{
+    double n[3];
+    bool good = dmn_parse_numbers(text, 3, n);
+
+    for (int i = 0; i < 3 && good; i++) good = n[i] >= 0.01 && n[i] <= 20;
+    if (!good) return refuse("--screen wants WIDTH,HEIGHT,DISTANCE from 0.01 to 20 m, not '%s'", text);
+    p->out->screen = (struct trk_screen){(float)n[0], (float)n[1], (float)n[2]};
+    return p->has_screen = true;
+}
+
 static bool take_size(struct parser *p, const char *text)
 {
     int width, height;
@@ -168,27 +194,20 @@ static bool take_whole(const char *name, const char *text, uint64_t low, uint64_
 }
 
 static const struct option LONG[] = {
-    {"scene", required_argument, NULL, 's'},
-    {"env", required_argument, NULL, 'e'},
-    {"sun", required_argument, NULL, 'u'},
-    {"eye", required_argument, NULL, 'y'},
-    {"size", required_argument, NULL, 'z'},
-    {"bounces", required_argument, NULL, 'b'},
-    {"seed", required_argument, NULL, 'd'},
-    {"threads", required_argument, NULL, 't'},
-    {"gaze", required_argument, NULL, 'g'},
-    {"speed", required_argument, NULL, 'p'},
-    {"loop", no_argument, NULL, 'o'},
-    {"mode", required_argument, NULL, 'm'},
-    {"fov", required_argument, NULL, 'f'},
-    {"listen", required_argument, NULL, 'l'},
-    {"until", required_argument, NULL, 'n'},
-    {"save", required_argument, NULL, 'a'},
-    {"json", no_argument, NULL, 'j'},
-    {"clock", required_argument, NULL, 'c'},
-    {"help", no_argument, NULL, 'h'},
-    {"version", no_argument, NULL, 'v'},
-    {0},
+    {"scene", required_argument, NULL, 's'},  {"env", required_argument, NULL, 'e'},
+    {"sun", required_argument, NULL, 'u'},    {"eye", required_argument, NULL, 'y'},
+    {"size", required_argument, NULL, 'z'},   {"bounces", required_argument, NULL, 'b'},
+    {"seed", required_argument, NULL, 'd'},   {"threads", required_argument, NULL, 't'},
+    {"gaze", required_argument, NULL, 'g'},   {"list-trackers", no_argument, NULL, 'L'},
+    {"screen", required_argument, NULL, 'S'}, {"calibration", required_argument, NULL, 'C'},
+    {"raw-gaze", no_argument, NULL, 'W'},     {"predict", no_argument, NULL, 'P'},
+    {"record", required_argument, NULL, 'R'}, {"replace", no_argument, NULL, 'r'},
+    {"speed", required_argument, NULL, 'p'},  {"loop", no_argument, NULL, 'o'},
+    {"mode", required_argument, NULL, 'm'},   {"fov", required_argument, NULL, 'f'},
+    {"listen", required_argument, NULL, 'l'}, {"until", required_argument, NULL, 'n'},
+    {"save", required_argument, NULL, 'a'},   {"json", no_argument, NULL, 'j'},
+    {"clock", required_argument, NULL, 'c'},  {"help", no_argument, NULL, 'h'},
+    {"version", no_argument, NULL, 'v'},      {0},
 };
 
 static bool take(struct parser *p, int option, const char *text)
@@ -222,6 +241,22 @@ static bool take(struct parser *p, int option, const char *text)
     case 'g':
         out->gaze = text, p->has_gaze = true;
         break;
+    case 'L':
+        return p->list = true;
+    case 'S':
+        return take_screen(p, text);
+    case 'C':
+        out->calibration = text;
+        break;
+    case 'W':
+        return out->raw_gaze = true;
+    case 'P':
+        return out->predict = true;
+    case 'R':
+        out->record = text;
+        break;
+    case 'r':
+        return out->replace = true;
     case 'p':
         if (!dmn_parse_numbers(text, 1, &number) || number < 0)
             return refuse("--speed wants a number of 0 or more, not '%s'", text);
@@ -258,6 +293,27 @@ static bool take(struct parser *p, int option, const char *text)
     return good;
 }
 
+/* Options of gaze that go with some sources alone. */
+static bool settle_gaze(const struct parser *p)
+{
+    const struct dmn_options *out = p->out;
+    const char *gaze = out->gaze ? out->gaze : "";
+    const bool automatic = !strcmp(gaze, "auto"), pointer = !strcmp(gaze, "pointer");
+
+    if (out->virtual_clock && pointer) return refuse("--gaze pointer needs the real clock");
+    if ((p->has_speed || out->loop) && !out->gaze) return refuse("--speed and --loop need --gaze");
+    if (p->has_speed && out->virtual_clock) return refuse("--speed needs the real clock");
+    if (p->has_screen && !automatic && strcmp(gaze, "hid") && strncmp(gaze, "hid:", 4))
+        return refuse("--screen needs --gaze hid or auto");
+    if (out->calibration && !automatic && strcmp(gaze, "psvr2"))
+        return refuse("--calibration needs --gaze psvr2 or auto");
+    if ((out->raw_gaze || out->predict) && (!out->gaze || pointer))
+        return refuse("%s needs a --gaze that comes from an eye", out->raw_gaze ? "--raw-gaze" : "--predict");
+    if (out->record && !out->gaze) return refuse("--record needs --gaze");
+    if (out->replace && !out->record) return refuse("--replace needs --record");
+    return true;
+}
+
 /* What was not said, and what does not go together. */
 static bool settle(struct parser *p)
 {
@@ -276,10 +332,7 @@ static bool settle(struct parser *p)
         return refuse("--until converged needs --mode od: %s leaves parts of the sphere aside", p->mode);
     if (out->until.kind == DMN_UNTIL_END && endless)
         return refuse("%s has no end to wait for: use another --until", out->loop ? "--loop" : out->gaze);
-    if (out->virtual_clock && out->gaze && !strcmp(out->gaze, "pointer"))
-        return refuse("--gaze pointer needs the real clock");
-    if ((p->has_speed || out->loop) && !out->gaze) return refuse("--speed and --loop need --gaze");
-    if (p->has_speed && out->virtual_clock) return refuse("--speed needs the real clock");
+    if (!settle_gaze(p)) return false;
     if (p->has_fov && strcmp(p->mode, "vp")) return refuse("--fov needs --mode vp");
     if (!out->listens && out->until.kind == DMN_UNTIL_STOPPED) return take_listen(p, NULL);
     return true;
@@ -303,5 +356,6 @@ enum dmn_parsed dmn_options_parse(int argc, char **argv, struct dmn_options *out
         if (!take(&parser, option, optarg)) return DMN_REFUSED;
     }
     if (optind < argc) return refuse("'%s' belongs to no option", argv[optind]), DMN_REFUSED;
+    if (parser.list) return DMN_LIST;
     return settle(&parser) ? DMN_RUN : DMN_REFUSED;
 }

@@ -29,24 +29,32 @@ struct dmn_painter {
     bool started;
     atomic_bool stop;
     struct lately lately;
-    uint64_t began_ns, gaze_sequence;
+    uint64_t began_ns;
+    uint64_t gaze_ns, aimed_ns; /* of the aim: when its gaze arrived, when the first batch with it began */
     uint32_t converged;
 
     pthread_mutex_t lock;
     struct dmn_work work;
 };
 
-static void note_lately(struct dmn_painter *painter, const struct rnd_aim *aim, const struct rnd_batch *batch,
-                        uint64_t start_ns, struct dmn_work *work)
+/* When the first batch of this aim began: now_ns, if this is it. How long gaze took to get here is measured
+ * there; later ones would tell how long the eye has rested. */
+static uint64_t first_aimed_ns(struct dmn_painter *painter, const struct rnd_aim *aim, uint64_t now_ns)
+{
+    if (aim->time_ns == painter->gaze_ns && painter->aimed_ns) return painter->aimed_ns;
+    if (aim->time_ns && now_ns >= aim->time_ns)
+        dmn_histogram_add(&painter->lately.gaze_to_batch, (double)(now_ns - aim->time_ns) * 1e-9);
+    painter->gaze_ns = aim->time_ns;
+    return painter->aimed_ns = now_ns;
+}
+
+static void note_lately(struct dmn_painter *painter, const struct rnd_batch *batch, struct dmn_work *work)
 {
     struct lately *lately = &painter->lately;
     uint64_t now_ns = dmn_now_ns(), passed_ns = now_ns - lately->since_ns;
 
     lately->paths += batch->paths;
     dmn_histogram_add(&lately->batch, batch->seconds);
-    if (aim->sequence != painter->gaze_sequence && aim->time_ns && start_ns >= aim->time_ns)
-        dmn_histogram_add(&lately->gaze_to_batch, (double)(start_ns - aim->time_ns) * 1e-9);
-    painter->gaze_sequence = aim->sequence;
     if (passed_ns < LATELY_NS) return;
     work->paths_per_second = (double)lately->paths / ((double)passed_ns * 1e-9);
     work->batch_seconds = dmn_histogram_quantile(&lately->batch, 0.5);
@@ -72,8 +80,7 @@ static void judge(struct dmn_painter *painter)
 }
 
 /* Book a batch; true when the render is done. */
-static bool book(struct dmn_painter *painter, const struct rnd_aim *aim, const struct rnd_batch *batch,
-                 uint64_t start_ns, uint64_t now_ns)
+static bool book(struct dmn_painter *painter, const struct rnd_batch *batch, uint64_t now_ns)
 {
     const struct dmn_painter_options *options = &painter->options;
     struct dmn_progress progress = {.pixels = options->pixels, .tiles = options->tiles};
@@ -85,7 +92,7 @@ static bool book(struct dmn_painter *painter, const struct rnd_aim *aim, const s
     work.batches++;
     work.seconds = (double)(dmn_now_ns() - painter->began_ns) * 1e-9;
     work.now_ns = now_ns;
-    note_lately(painter, aim, batch, start_ns, &work);
+    note_lately(painter, batch, &work);
     if (options->until.kind == DMN_UNTIL_CONVERGED && work.batches % JUDGE_EVERY == 0) judge(painter);
     progress.paths = work.paths;
     progress.seconds = options->virtual_clock ? (double)now_ns * 1e-9 : work.seconds;
@@ -133,19 +140,20 @@ static void *paint(void *argument)
 
     painter->began_ns = painter->lately.since_ns = dmn_now_ns();
     for (bool first = true; !done && !atomic_load(&painter->stop); first = false) {
-        uint64_t now_ns = options->virtual_clock ? virtual_ns : dmn_now_ns();
         struct rnd_aim aim;
+        uint64_t aimed_ns;
 
         if (options->virtual_clock) dmn_gaze_advance(options->gaze, virtual_ns);
         dmn_gaze_aim(options->gaze, &aim);
+        aimed_ns = first_aimed_ns(painter, &aim, options->virtual_clock ? virtual_ns : dmn_now_ns());
         if (first) {
-            rnd_render_outline(options->render, &aim, now_ns, &batch);
+            rnd_render_outline(options->render, &aim, aimed_ns, &batch);
         } else {
             paths = next_paths(painter, paths, &batch);
-            rnd_render_batch(options->render, &aim, now_ns, paths, &batch);
+            rnd_render_batch(options->render, &aim, aimed_ns, paths, &batch);
             virtual_ns += VIRTUAL_STEP_NS;
         }
-        done = book(painter, &aim, &batch, now_ns, options->virtual_clock ? virtual_ns : dmn_now_ns());
+        done = book(painter, &batch, options->virtual_clock ? virtual_ns : dmn_now_ns());
         if (first) batch.seconds = 0; /* says nothing about the batches to come */
     }
     pthread_mutex_lock(&painter->lock);

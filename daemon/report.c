@@ -103,8 +103,8 @@ static void print_json(const struct dmn_common *common, const struct dmn_work *w
     const struct dmn_options *options = common->options;
     json_t *object = json_pack(
         "{s:s, s:s, s:s, s:[i,i], s:I, s:I, s:I, s:f, s:f, s:I, s:i, s:i, s:i, s:i, s:I, s:I, s:s?}", "scene",
-        options->scene.path, "gaze", gaze->source, "mode", options->render.distribution->name, "size",
-        options->render.width, options->render.height, "paths", (json_int_t)work->paths, "rays",
+        options->scene.path, "gaze", gaze->source.description, "mode", options->render.distribution->name,
+        "size", options->render.width, options->render.height, "paths", (json_int_t)work->paths, "rays",
         (json_int_t)work->rays, "batches", (json_int_t)work->batches, "seconds", work->seconds,
         "paths_per_second", work->seconds > 0 ? (double)work->paths / work->seconds : 0.0, "not_finite",
         (json_int_t)work->not_finite, "tiles",

@@ -1,11 +1,13 @@
-/* Writes the film to files that clients ask for. */
+/* Does what waits for the disk, in a thread of its own. */
 #include <pthread.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "saver.h"
 
 struct dmn_saver {
     struct rnd_render *render;
+    struct dmn_gaze *gaze;
     void (*wake)(void *context);
     void *context;
     pthread_t thread;
@@ -18,6 +20,28 @@ struct dmn_saver {
     struct dmn_save save[DMN_SAVES];
     unsigned first, done, count;
 };
+
+static void act(const struct dmn_saver *saver, struct dmn_save *save)
+{
+    char error[RND_ERROR_SIZE];
+
+    switch (save->what) {
+    case DMN_SAVE_FILM:
+        save->good = rnd_render_save(saver->render, save->path, error);
+        snprintf(save->text, sizeof(save->text), save->good ? "wrote %.900s" : "%.900s",
+                 save->good ? save->path : error);
+        break;
+    case DMN_SAVE_GAZE:
+        save->good = dmn_gaze_record(saver->gaze, save->path, save->replace, save->text);
+        break;
+    case DMN_SAVE_GAZE_END:
+        save->good = dmn_gaze_record(saver->gaze, NULL, false, save->text);
+        break;
+    case DMN_SAVE_RECENTRE:
+        save->good = dmn_gaze_recentre(saver->gaze, save->has_target ? save->target : NULL, save->text);
+        break;
+    }
+}
 
 static void *run(void *argument)
 {
@@ -34,7 +58,7 @@ static void *run(void *argument)
         /* Its place in the ring is this thread's until it is marked done. */
         save = &saver->save[(saver->first + saver->done) % DMN_SAVES];
         pthread_mutex_unlock(&saver->lock);
-        save->good = rnd_render_save(saver->render, save->path, save->error);
+        act(saver, save);
         pthread_mutex_lock(&saver->lock);
         saver->done++;
         saver->wake(saver->context);
@@ -43,12 +67,14 @@ static void *run(void *argument)
     return NULL;
 }
 
-struct dmn_saver *dmn_saver_start(struct rnd_render *render, void (*wake)(void *context), void *context)
+struct dmn_saver *dmn_saver_start(struct rnd_render *render, struct dmn_gaze *gaze,
+                                  void (*wake)(void *context), void *context)
 {
     struct dmn_saver *saver = calloc(1, sizeof(*saver));
 
     if (!saver) return NULL;
     saver->render = render;
+    saver->gaze = gaze;
     saver->wake = wake;
     saver->context = context;
     pthread_mutex_init(&saver->lock, NULL);

@@ -40,7 +40,7 @@ static uint8_t *welcome(struct dmn_session *session, size_t *out_count)
     welcome.levels = (uint32_t)common->pyramid.levels;
     welcome.generation = 1;
     welcome.scene = (char *)common->scene_line;
-    welcome.gaze_source = (char *)state.source;
+    welcome.gaze_source = state.source.description;
     welcome.distribution = (char *)common->options->render.distribution->name;
     welcome.frozen = state.frozen;
     return pack(session, FOVEA__MESSAGE__BODY_WELCOME, &welcome, out_count);
@@ -83,6 +83,13 @@ static uint8_t *gaze(struct dmn_session *session, size_t *out_count)
     gaze.arrival_ns = sample.arrival_ns;
     gaze.n_head = sample.has_head ? 4 : 0;
     gaze.head = sample.head;
+    gaze.n_aim = 3;
+    gaze.aim = sample.decision.direction;
+    gaze.spread = sample.decision.spread;
+    gaze.state = (char *)trk_state_name(sample.decision.state);
+    gaze.source = (char *)sample.decision.source;
+    gaze.why = (char *)sample.decision.why;
+    gaze.sensor_ns = sample.sensor_ns;
     return pack(session, FOVEA__MESSAGE__BODY_GAZE, &gaze, out_count);
 }
 
@@ -90,6 +97,7 @@ static uint8_t *stats(struct dmn_session *session, size_t *out_count)
 {
     const struct dmn_common *common = session->common;
     Fovea__Stats stats = FOVEA__STATS__INIT;
+    Fovea__Tracker tracker = FOVEA__TRACKER__INIT;
     struct dmn_gaze_state state;
     struct dmn_work work;
 
@@ -113,6 +121,17 @@ static uint8_t *stats(struct dmn_session *session, size_t *out_count)
     stats.frozen = state.frozen;
     stats.finished = state.ended;
     stats.not_finite = work.not_finite;
+    stats.gaze_source = state.source.description;
+    stats.recording = state.recording;
+    stats.recorded = state.recorded;
+    tracker.present = state.source.present;
+    tracker.connections = state.source.connections;
+    tracker.losses = state.source.losses;
+    tracker.rate_hz = state.source.rate_hz;
+    tracker.has_clock = state.source.has_clock;
+    tracker.jitter_ms = state.source.jitter_ms;
+    tracker.drift_ppm = state.source.drift_ppm;
+    if (state.source.is_device) stats.tracker = &tracker;
     return pack(session, FOVEA__MESSAGE__BODY_STATS, &stats, out_count);
 }
 

@@ -153,36 +153,83 @@ static struct dmn_reply done(uint32_t request, bool good, const char *format, ..
     return reply;
 }
 
-static bool take_save(struct dmn_session *session, const Fovea__Save *save, char out_error[PRO_ERROR_SIZE])
+/* What waits for the disk is the saver's; its answer has a place among the replies from now on. */
+static bool ask(struct dmn_session *session, struct dmn_save *job, char out_error[PRO_ERROR_SIZE])
 {
-    struct dmn_save job = {.client = session->options.number, .request = save->request};
-    size_t length = strlen(save->path);
-
-    if (!session->options.may_save)
-        return reply(session, done(save->request, false, "files are saved only for clients on a Unix socket"),
-                     out_error);
-    if (save->path[0] != '/' || length >= sizeof(job.path) || length < 4 ||
-        strcmp(save->path + length - 4, ".exr") != 0)
-        return reply(session, done(save->request, false, "an absolute path that ends in .exr is needed"),
-                     out_error);
-    memcpy(job.path, save->path, length + 1);
+    job->client = session->options.number;
     if (session->replies + session->saves >= DMN_REPLIES)
         return fail(out_error, "it asks and does not listen");
-    if (!dmn_saver_ask(session->common->saver, &job))
-        return reply(session, done(save->request, false, "too many files are waiting to be written"),
+    if (!dmn_saver_ask(session->common->saver, job))
+        return reply(session, done(job->request, false, "too many files are waiting to be written"),
                      out_error);
     session->saves++;
     return true;
 }
 
+/* A client may name a file only where it is this user. */
+static bool take_path(struct dmn_session *session, struct dmn_save *job, const char *path, const char *ending)
+{
+    size_t length = strlen(path), end = strlen(ending);
+
+    if (!session->options.may_save) {
+        snprintf(job->text, sizeof(job->text), "files are written only for clients on a Unix socket");
+        return false;
+    }
+    if (path[0] != '/' || length >= sizeof(job->path) || length < end ||
+        strcmp(path + length - end, ending) != 0) {
+        snprintf(job->text, sizeof(job->text), "an absolute path%s%s is needed",
+                 *ending ? " that ends in " : "", ending);
+        return false;
+    }
+    memcpy(job->path, path, length + 1);
+    return true;
+}
+
+static bool take_save(struct dmn_session *session, const Fovea__Save *save, char out_error[PRO_ERROR_SIZE])
+{
+    struct dmn_save job = {.request = save->request, .what = DMN_SAVE_FILM};
+
+    if (!take_path(session, &job, save->path, ".exr"))
+        return reply(session, done(job.request, false, "%s", job.text), out_error);
+    return ask(session, &job, out_error);
+}
+
+static bool take_record(struct dmn_session *session, const Fovea__Record *record,
+                        char out_error[PRO_ERROR_SIZE])
+{
+    struct dmn_save job = {.request = record->request,
+                           .what = record->on ? DMN_SAVE_GAZE : DMN_SAVE_GAZE_END,
+                           .replace = record->replace};
+
+    if (!take_path(session, &job, record->on ? record->path : "/", ""))
+        return reply(session, done(job.request, false, "%s", job.text), out_error);
+    return ask(session, &job, out_error);
+}
+
+static bool take_recentre(struct dmn_session *session, const Fovea__Recentre *recentre,
+                          char out_error[PRO_ERROR_SIZE])
+{
+    struct dmn_save job = {
+        .request = recentre->request, .what = DMN_SAVE_RECENTRE, .has_target = recentre->n_direction};
+    double square = 0;
+
+    if (recentre->n_direction != 0 && recentre->n_direction != 3)
+        return fail(out_error, "a recentring without direction");
+    for (size_t i = 0; i < recentre->n_direction; i++)
+        square += (double)recentre->direction[i] * recentre->direction[i];
+    if (recentre->n_direction && (!isfinite(square) || square < 1e-6))
+        return fail(out_error, "a recentring to no direction");
+    for (size_t i = 0; i < recentre->n_direction; i++)
+        job.target[i] = (float)(recentre->direction[i] / sqrt(square));
+    return ask(session, &job, out_error);
+}
+
 void dmn_session_saved(struct dmn_session *session, const struct dmn_save *save)
 {
     char error[PRO_ERROR_SIZE];
-    struct dmn_reply answer = save->good ? done(save->request, true, "wrote %.900s", save->path)
-                                         : done(save->request, false, "%s", save->error);
 
     session->saves--; /* which makes the room that its answer needs */
-    (void)reply(session, answer, error);
+    (void)reply(session, done(save->request, save->good, "%s", save->text), error);
 }
 
 static bool take_message(struct dmn_session *session, const Fovea__Message *message,
@@ -209,6 +256,10 @@ static bool take_message(struct dmn_session *session, const Fovea__Message *mess
         return true;
     case FOVEA__MESSAGE__BODY_SAVE:
         return take_save(session, message->save, out_error);
+    case FOVEA__MESSAGE__BODY_RECORD:
+        return take_record(session, message->record, out_error);
+    case FOVEA__MESSAGE__BODY_RECENTRE:
+        return take_recentre(session, message->recentre, out_error);
     case FOVEA__MESSAGE__BODY_PING:
         return reply(session, (struct dmn_reply){.client_ns = message->ping->client_ns}, out_error);
     default:

@@ -64,7 +64,7 @@ uint8_t *dmn_session_farewell(struct dmn_session *session, const char *why, size
 
 /* Statistics are due. */
 void dmn_session_stats(struct dmn_session *session);
-/* A file that this client asked for is written, or is not. */
+/* What this client asked the saver for is done, or is not. */
 void dmn_session_saved(struct dmn_session *session, const struct dmn_save *save);
 
 #endif

@@ -14,7 +14,7 @@ struct dmn_reply {
     bool is_done, good;
     uint32_t request;
     uint64_t client_ns;
-    char text[1024];
+    char text[DMN_TEXT_SIZE];
 };
 
 struct dmn_session {
@@ -31,7 +31,7 @@ struct dmn_session {
     uint64_t gaze_cursor;
     struct dmn_reply reply[DMN_REPLIES];
     unsigned first_reply, replies;
-    unsigned saves; /* files asked for and not yet answered: each has a place among the replies */
+    unsigned saves; /* asked of the saver and not yet answered: each has a place among the replies */
 
     uint64_t serial, acknowledged;
     struct dmn_state *sent; /* what each tile was when it was sent; NULL if no tiles are wanted */

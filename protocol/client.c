@@ -192,11 +192,21 @@ static bool take_welcome(struct pro_client *client, const Fovea__Welcome *welcom
     return client->tile || pro_fail(out_error, "memory is short");
 }
 
+static bool take_gaze(struct pro_client *client, const Fovea__Gaze *gaze, char out_error[PRO_ERROR_SIZE])
+{
+    pro_clean(gaze->state);
+    pro_clean(gaze->source);
+    pro_clean(gaze->why);
+    return (gaze->n_direction == 3 && all_finite(gaze->direction, 3) &&
+            (gaze->n_head == 0 || gaze->n_head == 4) && all_finite(gaze->head, gaze->n_head) &&
+            (gaze->n_aim == 0 || gaze->n_aim == 3) && all_finite(gaze->aim, gaze->n_aim)) ||
+           pro_fail(out_error, "%s sent a gaze of no direction", client->name);
+}
+
 /* What this side makes of a message. Only Welcome, or Done instead of it, comes first, and only once. */
 static bool take(struct pro_client *client, const Fovea__Message *message, char out_error[PRO_ERROR_SIZE])
 {
     bool welcomed = client->welcome != NULL;
-    const Fovea__Gaze *gaze = message->gaze;
     switch (message->body_case) {
     case FOVEA__MESSAGE__BODY_WELCOME:
         if (welcomed) break;
@@ -210,15 +220,15 @@ static bool take(struct pro_client *client, const Fovea__Message *message, char 
         return take_tile(client, message->tile, out_error);
     case FOVEA__MESSAGE__BODY_GAZE:
         if (!welcomed) break;
-        return (gaze->n_direction == 3 && all_finite(gaze->direction, 3) &&
-                (gaze->n_head == 0 || gaze->n_head == 4) && all_finite(gaze->head, gaze->n_head)) ||
-               pro_fail(out_error, "%s sent a gaze of no direction", client->name);
+        return take_gaze(client, message->gaze, out_error);
     case FOVEA__MESSAGE__BODY_PONG:
         if (!welcomed) break;
         take_pong(client, message->pong);
         return true;
     case FOVEA__MESSAGE__BODY_STATS:
         if (!welcomed) break;
+        pro_clean(message->stats->gaze_source);
+        pro_clean(message->stats->recording);
         return true;
     default:
         break;

@@ -2,8 +2,9 @@
 #ifndef FOVEAD_CTL_H
 #define FOVEAD_CTL_H
 
+#include <jansson.h>
+
 #include "daemon.h"
-#include "tracker.h"
 
 /* Options; each command names the ones it takes. */
 enum {
@@ -16,6 +17,8 @@ enum {
     CTL_SETTLE = 1 << 6,
     CTL_GAZE = 1 << 7,
     CTL_EXPOSURE = 1 << 8,
+    CTL_STOP = 1 << 9,
+    CTL_REPLACE = 1 << 10,
     CTL_LOG_FORMAT = 1 << 16, /* what is told about a gaze log */
     CTL_LOG_TIME_UNIT = 1 << 17,
     CTL_LOG_FRAME = 1 << 18,
@@ -23,11 +26,13 @@ enum {
     CTL_LOG = CTL_LOG_FORMAT | CTL_LOG_TIME_UNIT | CTL_LOG_FRAME | CTL_LOG_SCREEN,
 };
 
+enum { CTL_PATH_SIZE = 4096 };
+
 struct ctl {
     const char *command;
     unsigned given; /* CTL_* bits */
     struct pro_address address;
-    bool wait, json, until_finished;
+    bool wait, json, until_finished, stop;
     double seconds, settle;
     bool view_gaze; /* the view's middle is the gaze */
     double view[3]; /* yaw, pitch, horizontal field of view: deg */
@@ -36,12 +41,12 @@ struct ctl {
     double exposure; /* stops */
     const char *gaze;
     struct trk_log_options log;
-    char **operand;
+    char **operand; /* ends with NULL */
 };
 
 struct ctl_command {
     const char *name, *operands, *summary; /* a name may be two words */
-    int count;                             /* of operands */
+    int count;                             /* of operands; one in brackets may be missing */
     unsigned options;
     int (*run)(const struct ctl *ctl); /* exit status */
 };
@@ -53,6 +58,8 @@ int ctl_freeze(const struct ctl *ctl);
 int ctl_unfreeze(const struct ctl *ctl);
 int ctl_look(const struct ctl *ctl);
 int ctl_save(const struct ctl *ctl);
+int ctl_record(const struct ctl *ctl);
+int ctl_recentre(const struct ctl *ctl);
 int ctl_samples(const struct ctl *ctl);
 int ctl_gaze_info(const struct ctl *ctl);
 int ctl_gaze_convert(const struct ctl *ctl);
@@ -72,6 +79,24 @@ bool ctl_tell(struct pro_client *client, const Fovea__Message *message);
 
 /* The next message of that kind, within seconds; others are let go. NULL after a line on stderr. */
 Fovea__Message *ctl_await(struct pro_client *client, Fovea__Message__BodyCase body, double seconds);
+
+/* Send a request and print what its Done says was done; false after the line on stderr that says why not. */
+bool ctl_request(struct pro_client *client, const Fovea__Message *message, double seconds);
+
+/* The daemon may run elsewhere, so names must be whole: the folder is made absolute, the file need not exist.
+ * False after a line on stderr. */
+bool ctl_make_absolute(const char *path, char out_path[CTL_PATH_SIZE]);
+
+/* What Stats says of an eye tracker, in at least 160 bytes. */
+void ctl_tracker_line(const Fovea__Tracker *tracker, char *out_line, size_t size);
+/* The same; it may be NULL; a new reference. */
+json_t *ctl_tracker_json(const Fovea__Tracker *tracker);
+
+/* Keys of the terminal, as they are pressed, from now until the end, or exit(). False if there is no
+ * terminal. */
+bool ctl_keys_begin(void);
+void ctl_keys_end(void);
+char ctl_key(void); /* '\0': none */
 
 /* The log that the first operand names, by what the options say of it; false after a line on stderr. The
  * caller frees it. */

@@ -21,6 +21,10 @@ static const struct ctl_command COMMANDS[] = {
     {"look", "YAW,PITCH", "move the gaze there, degrees (for fovead --gaze pointer)", 1, CTL_DAEMON,
      ctl_look},
     {"save", "FILE.exr", "have the daemon write colour, sample counts and errors", 1, CTL_DAEMON, ctl_save},
+    {"record", "[FILE]", "have the daemon record gaze samples, as a log; until record --stop", 1,
+     CTL_DAEMON | CTL_FOR | CTL_STOP | CTL_REPLACE, ctl_record},
+    {"recentre", "[YAW,PITCH]", "the eye looks there now, or at the view's centre: turn all gaze so", 1,
+     CTL_DAEMON, ctl_recentre},
     {"samples", "FILE.exr OUT.png", "draw where samples went, from a file that was saved", 2, CTL_GAZE,
      ctl_samples},
     {"gaze info", "LOG", "what a gaze log holds, and what was assumed of it", 1, CTL_JSON | CTL_LOG,
@@ -39,7 +43,11 @@ static const char HELP[] =
     "                          /tmp/fovead-UID.sock. FOVEAD_TOKEN in the environment is sent along\n"
     "  --wait                  wait for the daemon to come up, a minute at most\n"
     "  --json                  watch, stats, snapshot, gaze info: one JSON object\n"
-    "  --for SECONDS           watch: so long; otherwise until the daemon ends or Ctrl-C\n"
+    "  --for SECONDS           watch: so long; otherwise until the daemon ends or Ctrl-C. record: so long, "
+    "and "
+    "stop\n"
+    "  --stop                  record: end the recording\n"
+    "  --replace               record: a file of that name may go\n"
     "  --until-finished        watch: until the gaze recording has ended\n"
     "  --view YAW,PITCH,FOV    snapshot: what lies in that direction, in degrees right and up of forward, "
     "with that\n"
@@ -68,6 +76,8 @@ static const struct option LONG[] = {
     {"settle", required_argument, NULL, 's'},
     {"exposure", required_argument, NULL, 'x'},
     {"gaze", required_argument, NULL, 'g'},
+    {"stop", no_argument, NULL, 'p'},
+    {"replace", no_argument, NULL, 'r'},
     {"format", required_argument, NULL, 'F'},
     {"time-unit", required_argument, NULL, 'T'},
     {"frame", required_argument, NULL, 'R'},
@@ -100,6 +110,10 @@ static unsigned bit_of(int option)
         return CTL_GAZE;
     case 'x':
         return CTL_EXPOSURE;
+    case 'p':
+        return CTL_STOP;
+    case 'r':
+        return CTL_REPLACE;
     case 'F':
         return CTL_LOG_FORMAT;
     case 'T':
@@ -203,6 +217,10 @@ static bool take(struct ctl *ctl, int option, const char *text)
         return ctl_fail("--exposure wants stops or auto, not '%s'", text);
     case 's':
         return take_seconds("settle", text, &ctl->settle);
+    case 'p':
+        return ctl->stop = true;
+    case 'r':
+        return true;
     case 'F':
         ctl->log.format = text;
         return true;
@@ -249,7 +267,7 @@ static int parse(int argc, char **argv, struct ctl *ctl, const struct ctl_comman
     while (command->name && (words = words_of(command->name, argv + optind)) == 0) command++;
     optind += words;
     if (!command->name) return ctl_fail("there is no command '%s'; see foveactl --help", ctl->command), 2;
-    if (argc - optind != command->count)
+    if (argc - optind > command->count || argc - optind < command->count - (*command->operands == '['))
         return ctl_fail("usage: foveactl %s %s", command->name, command->operands), 2;
     if (ctl->given & ~command->options)
         return ctl_fail("--%s does not go with %s", name_of(ctl->given & ~command->options), command->name),
@@ -341,6 +359,24 @@ Fovea__Message *ctl_await(struct pro_client *client, Fovea__Message__BodyCase bo
     }
     ctl_fail("no answer within %g s", seconds);
     return NULL;
+}
+
+bool ctl_request(struct pro_client *client, const Fovea__Message *message, double seconds)
+{
+    char error[PRO_ERROR_SIZE];
+    Fovea__Message *answer;
+    bool good;
+
+    if (!pro_send(client, message, error)) return ctl_fail("%s", error);
+    if (!(answer = ctl_await(client, FOVEA__MESSAGE__BODY_DONE, seconds))) return false;
+    good = answer->done->ok;
+    if (good)
+        printf("%s\n", answer->done->text);
+    else
+        ctl_fail("%s", answer->done->text);
+    fflush(stdout);
+    fovea__message__free_unpacked(answer, NULL);
+    return good;
 }
 
 /* Messages are taken in order, so a Pong says that what went before it is done. */

@@ -59,8 +59,11 @@ static bool gather(struct snapshot *snapshot)
             heard_ns = now_ns;
             snapshot->tiles++;
         }
-        if (result == PRO_MESSAGE && message->body_case == FOVEA__MESSAGE__BODY_GAZE) {
-            memcpy(snapshot->gaze, message->gaze->direction, sizeof(snapshot->gaze));
+        /* Before the first sample there is an aim, but nobody looks there. */
+        if (result == PRO_MESSAGE && message->body_case == FOVEA__MESSAGE__BODY_GAZE &&
+            message->gaze->sequence) {
+            memcpy(snapshot->gaze, message->gaze->n_aim ? message->gaze->aim : message->gaze->direction,
+                   sizeof(snapshot->gaze));
             snapshot->has_gaze = true;
         }
         if (result == PRO_MESSAGE) fovea__message__free_unpacked(message, NULL);

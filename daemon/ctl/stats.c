@@ -7,10 +7,16 @@
 
 static void print_table(const Fovea__Welcome *welcome, const Fovea__Stats *s)
 {
-    printf("daemon    %s\nscene     %s\ngaze      %s\n", welcome->server, welcome->scene,
-           welcome->gaze_source);
+    printf("daemon    %s\nscene     %s\ngaze      %s\n", welcome->server, welcome->scene, s->gaze_source);
     printf("          %llu samples, %llu valid%s%s\n", (unsigned long long)s->gaze_samples,
            (unsigned long long)s->gaze_valid, s->frozen ? ", frozen" : "", s->finished ? ", finished" : "");
+    if (s->tracker) {
+        char line[160];
+
+        ctl_tracker_line(s->tracker, line, sizeof(line));
+        printf("          %s\n", line);
+    }
+    if (*s->recording) printf("recording %s, %llu samples\n", s->recording, (unsigned long long)s->recorded);
     printf("film      %ux%u, mode %s\n", welcome->width, welcome->height, welcome->distribution);
     printf("paths     %llu, %.3f M/s, %llu rays, %llu not finite\n", (unsigned long long)s->samples,
            s->samples_per_second * 1e-6, (unsigned long long)s->rays, (unsigned long long)s->not_finite);
@@ -20,12 +26,32 @@ static void print_table(const Fovea__Welcome *welcome, const Fovea__Stats *s)
     printf("clients   %u\n", s->clients);
 }
 
+void ctl_tracker_line(const Fovea__Tracker *t, char *out_line, size_t size)
+{
+    int length = snprintf(out_line, size, "%s, opened %u times, %llu losses",
+                          t->present ? "present" : "absent", t->connections, (unsigned long long)t->losses);
+
+    if (t->rate_hz > 0) length += snprintf(out_line + length, size - (size_t)length, ", %.0f Hz", t->rate_hz);
+    if (t->has_clock)
+        snprintf(out_line + length, size - (size_t)length, ", jitter %.2f ms, drift %+.0f ppm", t->jitter_ms,
+                 t->drift_ppm);
+}
+
+json_t *ctl_tracker_json(const Fovea__Tracker *t)
+{
+    if (!t) return json_null();
+    return json_pack("{s:b, s:I, s:I, s:f, s:b, s:f, s:f}", "present", t->present, "connections",
+                     (json_int_t)t->connections, "losses", (json_int_t)t->losses, "rate_hz", t->rate_hz,
+                     "has_clock", t->has_clock, "jitter_ms", t->jitter_ms, "drift_ppm", t->drift_ppm);
+}
+
 static void print_json(const Fovea__Welcome *welcome, const Fovea__Stats *s)
 {
     json_t *object = json_pack(
-        "{s:s, s:s, s:s, s:s, s:[I,I], s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:b, s:b, s:f, s:f, "
-        "s:I}",
-        "daemon", welcome->server, "scene", welcome->scene, "gaze", welcome->gaze_source, "mode",
+        "{s:s, s:s, s:s, s:o, s:s, s:I, s:s, s:[I,I], s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:b, "
+        "s:b, s:f, s:f, s:I}",
+        "daemon", welcome->server, "scene", welcome->scene, "gaze", s->gaze_source, "tracker",
+        ctl_tracker_json(s->tracker), "recording", s->recording, "recorded", (json_int_t)s->recorded, "mode",
         welcome->distribution, "size", (json_int_t)welcome->width, (json_int_t)welcome->height, "paths",
         (json_int_t)s->samples, "paths_per_second", s->samples_per_second, "rays", (json_int_t)s->rays,
         "not_finite", (json_int_t)s->not_finite, "tiles", (json_int_t)s->tiles, "tiles_visited",

@@ -1,9 +1,11 @@
 /* foveactl watch: how the picture grows, where the eye looks and how long things take, live. */
 #include <math.h>
 #include <signal.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <jansson.h>
@@ -24,13 +26,17 @@ static const char *const STAGE_KEY[STAGES] = {"gaze_to_batch", "batch_to_encoded
 struct watch {
     const struct ctl *ctl;
     struct pro_client *client;
-    bool terminal;
+    bool terminal, keys;
     int lines; /* drawn last time, to be drawn over */
     uint64_t began_ns, drawn_ns;
 
     Fovea__Stats stats; /* the newest; its numbers alone */
-    bool has_stats, has_gaze, valid, frozen;
-    float direction[3];
+    Fovea__Tracker tracker;
+    bool has_stats, has_tracker, has_gaze;
+    char gaze_source[TRK_ERROR_SIZE], recording[1024], answer[1024]; /* to the last key */
+    float direction[3], spread;
+    char state[32], source[32], why[80];
+    uint64_t states[TRK_FROZEN + 1]; /* how often Gaze had it */
 
     uint64_t tiles, bytes;             /* in all */
     uint64_t drawn_tiles, drawn_bytes; /* at the last drawing */
@@ -65,6 +71,27 @@ static void take_latency(struct watch *watch, const Fovea__Tile *tile)
     for (int i = 0; i < STAGES; i++) dmn_histogram_add(&watch->stage[i], times[i] * 1e-9);
 }
 
+static void take_gaze(struct watch *watch, const Fovea__Gaze *gaze)
+{
+    watch->has_gaze = true;
+    memcpy(watch->direction, gaze->n_aim ? gaze->aim : gaze->direction, sizeof(watch->direction));
+    watch->spread = gaze->spread;
+    snprintf(watch->state, sizeof(watch->state), "%s", gaze->state);
+    snprintf(watch->source, sizeof(watch->source), "%s", gaze->source);
+    snprintf(watch->why, sizeof(watch->why), "%s", gaze->why);
+    for (int i = 0; i <= TRK_FROZEN; i++) watch->states[i] += !strcmp(gaze->state, trk_state_name(i));
+}
+
+static void take_stats(struct watch *watch, const Fovea__Stats *stats)
+{
+    watch->stats = *stats;
+    watch->has_stats = true;
+    watch->has_tracker = stats->tracker;
+    if (stats->tracker) watch->tracker = *stats->tracker;
+    snprintf(watch->gaze_source, sizeof(watch->gaze_source), "%s", stats->gaze_source);
+    snprintf(watch->recording, sizeof(watch->recording), "%s", stats->recording);
+}
+
 static void take(struct watch *watch, const Fovea__Message *message)
 {
     switch (message->body_case) {
@@ -74,14 +101,13 @@ static void take(struct watch *watch, const Fovea__Message *message)
         take_latency(watch, message->tile);
         break;
     case FOVEA__MESSAGE__BODY_GAZE:
-        watch->has_gaze = true;
-        watch->valid = message->gaze->valid;
-        watch->frozen = message->gaze->frozen;
-        memcpy(watch->direction, message->gaze->direction, sizeof(watch->direction));
+        take_gaze(watch, message->gaze);
         break;
     case FOVEA__MESSAGE__BODY_STATS:
-        watch->stats = *message->stats;
-        watch->has_stats = true;
+        take_stats(watch, message->stats);
+        break;
+    case FOVEA__MESSAGE__BODY_DONE:
+        snprintf(watch->answer, sizeof(watch->answer), "%s", message->done->text);
         break;
     default:
         break;
@@ -96,8 +122,8 @@ static void name_gaze(const struct watch *watch, char *out, size_t size)
     if (!watch->has_gaze)
         snprintf(out, size, "none yet");
     else
-        snprintf(out, size, "%+6.1f right %+5.1f up%s%s%s", yaw, pitch, watch->valid ? "" : ", lost",
-                 watch->stats.frozen ? ", frozen" : "", watch->stats.finished ? ", finished" : "");
+        snprintf(out, size, "%+6.1f right %+5.1f up, %s%s", yaw, pitch, watch->state,
+                 watch->stats.finished ? ", finished" : "");
 }
 
 static void draw_line(const struct watch *watch)
@@ -116,37 +142,75 @@ static void draw_line(const struct watch *watch)
     fflush(stdout);
 }
 
+static void row(struct watch *watch, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* A line of the table. On a terminal it must not be broken into two, for all are drawn over. */
+static void row(struct watch *watch, const char *format, ...)
+{
+    struct winsize window = {.ws_col = 80};
+    char line[2048];
+    va_list args;
+
+    va_start(args, format);
+    vsnprintf(line, sizeof(line), format, args);
+    va_end(args);
+    if (!watch->terminal) {
+        puts(line);
+        return;
+    }
+    if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &window) || !window.ws_col) window.ws_col = 80;
+    printf("%.*s\033[K\n", window.ws_col - 1, line);
+    watch->lines++;
+}
+
+static void draw_gaze(struct watch *watch)
+{
+    const Fovea__Stats *s = &watch->stats;
+    char text[160];
+
+    name_gaze(watch, text, sizeof(text));
+    row(watch, "gaze      %s; %llu samples, %llu valid", text, (unsigned long long)s->gaze_samples,
+        (unsigned long long)s->gaze_valid);
+    if (watch->has_gaze)
+        row(watch, "          by %s: %s; fovea %.1f times as wide", watch->source, watch->why, watch->spread);
+    row(watch, "          %s", watch->gaze_source);
+    if (watch->has_tracker) {
+        ctl_tracker_line(&watch->tracker, text, sizeof(text));
+        row(watch, "          %s", text);
+    }
+    if (*watch->recording)
+        row(watch, "recording %s, %llu samples", watch->recording, (unsigned long long)s->recorded);
+}
+
 static void draw_table(struct watch *watch)
 {
     const Fovea__Stats *s = &watch->stats;
-    const char *end = watch->terminal ? "\033[K\n" : "\n";
     uint64_t round_trip_ns = 0;
     int64_t offset_ns;
-    char gaze[80];
 
-    name_gaze(watch, gaze, sizeof(gaze));
     pro_clock(watch->client, &round_trip_ns, &offset_ns);
-    if (watch->lines) printf("\033[%dA", watch->lines);
-    printf("time      %.1f s%s", (double)(watch->drawn_ns - watch->began_ns) * 1e-9, end);
-    printf("paths     %.4g M, %.2f M/s, %.4g M rays%s", (double)s->samples * 1e-6,
-           s->samples_per_second * 1e-6, (double)s->rays * 1e-6, end);
-    printf("tiles     %u: %u visited, %u converged, %u settled%s", s->tiles, s->tiles_visited,
-           s->tiles_converged, s->tiles_settled, end);
-    printf("gaze      %s; %llu samples, %llu valid%s", gaze, (unsigned long long)s->gaze_samples,
-           (unsigned long long)s->gaze_valid, end);
-    printf("stream    %llu tiles, %.0f/s, %.2f MB/s; %.0f %% of the sphere%s",
-           (unsigned long long)watch->tiles, watch->tile_rate, watch->byte_rate * 1e-6,
-           pro_picture_coverage(pro_picture(watch->client)) * 100, end);
-    printf("batch     %.2f ms, begun %.2f ms after its gaze arrived; round trip %.2f ms%s", s->batch_ms,
-           s->gaze_to_batch_ms, (double)round_trip_ns * 1e-6, end);
-    printf("latency   %-20s%10s%10s%10s%s", "ms", "p50", "p95", "p99", end);
+    if (watch->lines) printf("\033[%dA\033[J", watch->lines);
+    watch->lines = 0;
+    row(watch, "time      %.1f s", (double)(watch->drawn_ns - watch->began_ns) * 1e-9);
+    row(watch, "paths     %.4g M, %.2f M/s, %.4g M rays", (double)s->samples * 1e-6,
+        s->samples_per_second * 1e-6, (double)s->rays * 1e-6);
+    row(watch, "tiles     %u: %u visited, %u converged, %u settled", s->tiles, s->tiles_visited,
+        s->tiles_converged, s->tiles_settled);
+    draw_gaze(watch);
+    row(watch, "stream    %llu tiles, %.0f/s, %.2f MB/s; %.0f %% of the sphere",
+        (unsigned long long)watch->tiles, watch->tile_rate, watch->byte_rate * 1e-6,
+        pro_picture_coverage(pro_picture(watch->client)) * 100);
+    row(watch, "batch     %.2f ms, begun %.2f ms after its gaze arrived; round trip %.2f ms", s->batch_ms,
+        s->gaze_to_batch_ms, (double)round_trip_ns * 1e-6);
+    row(watch, "latency   %-20s%10s%10s%10s", "ms", "p50", "p95", "p99");
     for (int i = 0; i < STAGES; i++)
-        printf("          %-20s%10.2f%10.2f%10.2f%s", STAGE[i],
-               dmn_histogram_quantile(&watch->stage[i], 0.5) * 1e3,
-               dmn_histogram_quantile(&watch->stage[i], 0.95) * 1e3,
-               dmn_histogram_quantile(&watch->stage[i], 0.99) * 1e3, end);
+        row(watch, "          %-20s%10.2f%10.2f%10.2f", STAGE[i],
+            dmn_histogram_quantile(&watch->stage[i], 0.5) * 1e3,
+            dmn_histogram_quantile(&watch->stage[i], 0.95) * 1e3,
+            dmn_histogram_quantile(&watch->stage[i], 0.99) * 1e3);
+    if (watch->keys) row(watch, "keys      f %s, c recentre, q quit", s->frozen ? "unfreeze" : "freeze");
+    if (*watch->answer) row(watch, "          %s", watch->answer);
     fflush(stdout);
-    watch->lines = watch->terminal ? 7 + STAGES : 0;
 }
 
 static void draw(struct watch *watch)
@@ -180,6 +244,15 @@ static json_t *latency_json(const struct watch *watch)
     return all;
 }
 
+static json_t *states_json(const struct watch *watch)
+{
+    json_t *all = json_object();
+
+    for (int i = 0; i <= TRK_FROZEN; i++)
+        json_object_set_new(all, trk_state_name(i), json_integer((json_int_t)watch->states[i]));
+    return all;
+}
+
 static void print_json(const struct watch *watch, double seconds)
 {
     const Fovea__Stats *s = &watch->stats;
@@ -191,23 +264,48 @@ static void print_json(const struct watch *watch, double seconds)
 
     dmn_angles(watch->direction, &yaw, &pitch);
     pro_clock(watch->client, &round_trip_ns, &offset_ns);
-    object = json_pack("{s:f, s:s, s:s, s:s, s:[I,I], s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:b, "
-                       "s:b, s:[f,f], s:I, s:I, "
-                       "s:f, s:f, s:f, s:o}",
-                       "seconds", seconds, "scene", welcome->scene, "gaze", welcome->gaze_source, "mode",
-                       welcome->distribution, "size", (json_int_t)welcome->width, (json_int_t)welcome->height,
-                       "paths", (json_int_t)s->samples, "paths_per_second", s->samples_per_second, "rays",
-                       (json_int_t)s->rays, "not_finite", (json_int_t)s->not_finite, "tiles",
-                       (json_int_t)s->tiles, "tiles_visited", (json_int_t)s->tiles_visited, "tiles_converged",
-                       (json_int_t)s->tiles_converged, "tiles_settled", (json_int_t)s->tiles_settled,
-                       "gaze_samples", (json_int_t)s->gaze_samples, "gaze_valid", (json_int_t)s->gaze_valid,
-                       "frozen", s->frozen, "finished", s->finished, "gaze_deg", yaw, pitch, "tiles_received",
-                       (json_int_t)watch->tiles, "bytes_received", (json_int_t)watch->bytes, "batch_ms",
-                       s->batch_ms, "round_trip_ms", (double)round_trip_ns * 1e-6, "coverage",
-                       pro_picture_coverage(pro_picture(watch->client)), "latency", latency_json(watch));
+    object = json_pack(
+        "{s:f, s:s, s:s, s:s, s:[I,I], s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:b, "
+        "s:b, s:[f,f], s:s, s:s, s:s, s:f, s:o, s:o, s:s, s:I, s:I, s:I, "
+        "s:f, s:f, s:f, s:o}",
+        "seconds", seconds, "scene", welcome->scene, "gaze", watch->gaze_source, "mode",
+        welcome->distribution, "size", (json_int_t)welcome->width, (json_int_t)welcome->height, "paths",
+        (json_int_t)s->samples, "paths_per_second", s->samples_per_second, "rays", (json_int_t)s->rays,
+        "not_finite", (json_int_t)s->not_finite, "tiles", (json_int_t)s->tiles, "tiles_visited",
+        (json_int_t)s->tiles_visited, "tiles_converged", (json_int_t)s->tiles_converged, "tiles_settled",
+        (json_int_t)s->tiles_settled, "gaze_samples", (json_int_t)s->gaze_samples, "gaze_valid",
+        (json_int_t)s->gaze_valid, "frozen", s->frozen, "finished", s->finished, "gaze_deg", yaw, pitch,
+        "state", watch->state, "source", watch->source, "why", watch->why, "spread", (double)watch->spread,
+        "states", states_json(watch), "tracker",
+        ctl_tracker_json(watch->has_tracker ? &watch->tracker : NULL), "recording", watch->recording,
+        "recorded", (json_int_t)s->recorded, "tiles_received", (json_int_t)watch->tiles, "bytes_received",
+        (json_int_t)watch->bytes, "batch_ms", s->batch_ms, "round_trip_ms", (double)round_trip_ns * 1e-6,
+        "coverage", pro_picture_coverage(pro_picture(watch->client)), "latency", latency_json(watch));
     if (object) json_dumpf(object, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
     if (object) putchar('\n');
     json_decref(object);
+}
+
+/* f, c or q; false after q. */
+static bool press(struct watch *watch, char key)
+{
+    Fovea__Message message = FOVEA__MESSAGE__INIT;
+    Fovea__Recentre recentre = FOVEA__RECENTRE__INIT;
+    Fovea__Freeze freeze = FOVEA__FREEZE__INIT;
+    char error[PRO_ERROR_SIZE];
+
+    if (key == 'q') return false;
+    watch->answer[0] = '\0';
+    if (key == 'f') {
+        freeze.frozen = watch->stats.frozen = !watch->stats.frozen;
+        message.body_case = FOVEA__MESSAGE__BODY_FREEZE;
+        message.freeze = &freeze;
+    } else {
+        message.body_case = FOVEA__MESSAGE__BODY_RECENTRE;
+        message.recentre = &recentre;
+    }
+    if (key == 'f' || key == 'c') pro_send(watch->client, &message, error);
+    return true;
 }
 
 /* Until the time is up, the recording has ended, the daemon has gone, or Ctrl-C. */
@@ -225,6 +323,7 @@ static void follow(struct watch *watch)
             take(watch, message);
             fovea__message__free_unpacked(message, NULL);
         }
+        if (watch->keys && !press(watch, ctl_key())) return;
         if (ctl->given & CTL_FOR && (double)(dmn_now_ns() - watch->began_ns) * 1e-9 >= ctl->seconds) return;
         if (ctl->until_finished && watch->stats.finished) return;
         draw(watch);
@@ -247,10 +346,14 @@ int ctl_watch(const struct ctl *ctl)
     }
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+    sigaction(SIGHUP, &action, NULL);
+    watch->keys = watch->terminal && ctl_keys_begin();
     watch->began_ns = watch->drawn_ns = dmn_now_ns();
     if (!ctl->json) printf("%s\n", pro_welcome(watch->client)->scene);
     fflush(stdout);
     follow(watch);
+    ctl_keys_end();
+    watch->keys = false;
     watch->drawn_ns = dmn_now_ns();
     if (ctl->json)
         print_json(watch, (double)(watch->drawn_ns - watch->began_ns) * 1e-9);

@@ -1,0 +1,42 @@
+/* Single keys from a terminal, as they are pressed and not shown. */
+#include <stdlib.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include "ctl.h"
+
+static struct termios before;
+static bool changed;
+
+static void restore(void)
+{
+    if (changed) tcsetattr(STDIN_FILENO, TCSANOW, &before);
+    changed = false;
+}
+
+bool ctl_keys_begin(void)
+{
+    struct termios now;
+
+    /* In the background a change of the terminal would stop this program. */
+    if (!isatty(STDIN_FILENO) || tcgetpgrp(STDIN_FILENO) != getpgrp() || tcgetattr(STDIN_FILENO, &before))
+        return false;
+    now = before;
+    now.c_lflag &= (tcflag_t) ~(ICANON | ECHO);
+    now.c_cc[VMIN] = now.c_cc[VTIME] = 0;
+    atexit(restore);
+    changed = !tcsetattr(STDIN_FILENO, TCSANOW, &now);
+    return changed;
+}
+
+void ctl_keys_end(void)
+{
+    restore();
+}
+
+char ctl_key(void)
+{
+    char key;
+
+    return changed && read(STDIN_FILENO, &key, 1) == 1 ? key : '\0';
+}

@@ -1,0 +1,33 @@
+/* foveactl recentre: the eye looks at the view's centre, or at a given direction, now; all gaze is turned
+ * accordingly. */
+#include <math.h>
+
+#include "ctl.h"
+
+int ctl_recentre(const struct ctl *ctl)
+{
+    Fovea__Message message = FOVEA__MESSAGE__INIT;
+    Fovea__Recentre recentre = FOVEA__RECENTRE__INIT;
+    struct pro_client *client;
+    float direction[3];
+    double angle[2];
+    bool good;
+
+    if (ctl->operand[0]) {
+        if (!dmn_parse_numbers(ctl->operand[0], 2, angle) || angle[1] < -90 || angle[1] > 90) {
+            ctl_fail("recentre wants YAW,PITCH in degrees, not '%s'", ctl->operand[0]);
+            return 2;
+        }
+        rnd_direction((float)(angle[0] * M_PI / 180), (float)(angle[1] * M_PI / 180), direction);
+        recentre.n_direction = 3;
+        recentre.direction = direction;
+    }
+    client = ctl_connect(ctl, FOVEA__ENCODING__ENCODING_NONE, false, false);
+    if (!client) return 1;
+    recentre.request = 1;
+    message.body_case = FOVEA__MESSAGE__BODY_RECENTRE;
+    message.recentre = &recentre;
+    good = ctl_request(client, &message, 30);
+    pro_disconnect(client);
+    return good ? 0 : 1;
+}

@@ -1,0 +1,66 @@
+/* foveactl record: the daemon records the gaze samples as they come from the source. */
+#include <signal.h>
+
+#include "ctl.h"
+
+static volatile sig_atomic_t interrupted;
+
+static void on_interrupt(int number)
+{
+    interrupted = number;
+}
+
+static bool request(struct pro_client *client, bool on, const char *path, bool replace)
+{
+    Fovea__Message message = FOVEA__MESSAGE__INIT;
+    Fovea__Record record = FOVEA__RECORD__INIT;
+
+    record.request = 1;
+    record.on = on;
+    record.path = (char *)path;
+    record.replace = replace;
+    message.body_case = FOVEA__MESSAGE__BODY_RECORD;
+    message.record = &record;
+    return ctl_request(client, &message, 30);
+}
+
+/* Until the time is up, or Ctrl-C. */
+static bool wait_for(struct pro_client *client, double seconds)
+{
+    uint64_t end_ns = dmn_now_ns() + (uint64_t)(seconds * 1e9);
+    struct sigaction action = {.sa_handler = on_interrupt};
+    char error[PRO_ERROR_SIZE];
+
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+    while (!interrupted && dmn_now_ns() < end_ns) {
+        uint64_t left_ms = (end_ns - dmn_now_ns()) / 1000000 + 1;
+        Fovea__Message *message;
+        enum pro_result result = pro_receive(client, left_ms < 50 ? (int)left_ms : 50, &message, error);
+
+        if (result == PRO_BROKEN) return ctl_fail("%s", error);
+        if (result == PRO_MESSAGE) fovea__message__free_unpacked(message, NULL);
+    }
+    return true;
+}
+
+int ctl_record(const struct ctl *ctl)
+{
+    const char *file = ctl->operand[0];
+    char path[CTL_PATH_SIZE] = "";
+    struct pro_client *client;
+    bool good;
+
+    if (!file == !ctl->stop || (ctl->stop && ctl->given & (CTL_FOR | CTL_REPLACE))) {
+        ctl_fail("usage: foveactl record FILE [--for SECONDS] [--replace], or foveactl record --stop");
+        return 2;
+    }
+    if (file && !ctl_make_absolute(file, path)) return 1;
+    client = ctl_connect(ctl, FOVEA__ENCODING__ENCODING_NONE, false, false);
+    if (!client) return 1;
+    good = request(client, !ctl->stop, path, ctl->given & CTL_REPLACE);
+    if (good && ctl->given & CTL_FOR)
+        good = wait_for(client, ctl->seconds) && request(client, false, "", false);
+    pro_disconnect(client);
+    return good ? 0 : 1;
+}

@@ -1,0 +1,57 @@
+/* What fovead remembers from one start to the next, by the XDG Base Directory Specification: the rotation of
+ * recentring. */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "state.h"
+
+bool dmn_state_path(char *out_path, size_t size)
+{
+    const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
+    int length = -1;
+
+    /* A relative path in the environment counts as none. */
+    if (state && *state == '/')
+        length = snprintf(out_path, size, "%s/fovead/recentre", state);
+    else if (home && *home == '/')
+        length = snprintf(out_path, size, "%s/.local/state/fovead/recentre", home);
+    return length > 0 && (size_t)length < size;
+}
+
+bool dmn_state_load(float out_rotation[4])
+{
+    char path[4096], error[TRK_ERROR_SIZE];
+    struct stat file;
+
+    if (!dmn_state_path(path, sizeof(path)) || (stat(path, &file) && (errno == ENOENT || errno == ENOTDIR)))
+        return false;
+    if (trk_recentre_load(path, out_rotation, error)) return true;
+    fprintf(stderr, "fovead: %s; gaze is not recentred\n", error);
+    return false;
+}
+
+/* The folders above path, as far as they are missing; the system's complaint about one is that about the
+ * file. */
+static void make_folders(char *path)
+{
+    for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        mkdir(path, 0700);
+        *slash = '/';
+    }
+}
+
+bool dmn_state_save(const float rotation[4], char out_error[TRK_ERROR_SIZE])
+{
+    char path[4096];
+
+    if (!dmn_state_path(path, sizeof(path))) {
+        snprintf(out_error, TRK_ERROR_SIZE, "neither XDG_STATE_HOME nor HOME names a folder");
+        return false;
+    }
+    make_folders(path);
+    return trk_recentre_save(path, rotation, out_error);
+}

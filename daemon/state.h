@@ -1,0 +1,16 @@
+/* state: what fovead remembers from one start to the next, in $XDG_STATE_HOME/fovead (or
+ * ~/.local/state/fovead). */
+#ifndef FOVEAD_DAEMON_STATE_H
+#define FOVEAD_DAEMON_STATE_H
+
+#include "daemon.h"
+
+/* The file of the rotation of recentring; false if the environment names no place for it. */
+bool dmn_state_path(char *out_path, size_t size);
+/* The rotation (x, y, z, w); false if there is none, with a line on stderr if that is because it is broken.
+ */
+bool dmn_state_load(float out_rotation[4]);
+/* Folders are made. False with a line in out_error. */
+bool dmn_state_save(const float rotation[4], char out_error[TRK_ERROR_SIZE]);
+
+#endif
