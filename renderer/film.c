@@ -133,7 +133,16 @@ static void merge_state(struct rnd_tile *to, const struct rnd_tile *from, bool f
     to->aimed_ns = from->aimed_ns;
 }
 
-/* Mean of the smallest square around each pixel, by powers of two, that holds a sample. */
+/* Paths after which a pixel that stayed black is taken for black. Before, every light may just have been
+ * hidden from the few points that its paths asked from, and black says no more than no path does. */
+enum { SURE_PATHS = 64 };
+
+static bool tells(const float sum[4])
+{
+    return sum[3] >= SURE_PATHS || (sum[3] > 0.0f && sum[0] + sum[1] + sum[2] > 0.0f);
+}
+
+/* Mean of the smallest square around each pixel, by powers of two, that tells something. */
 static bool fill(const struct sums *sums, float *out_rgb)
 {
     static const int top = 6; /* 2^6 = RND_TILE */
@@ -156,7 +165,7 @@ static bool fill(const struct sums *sums, float *out_rgb)
         for (int x = 0; x < RND_TILE; x++) {
             int l = 0;
             const float *s = sums->value[y][x];
-            while (s[3] == 0.0f) {
+            while (!tells(s) && l < top) {
                 l++;
                 s = level[l][(y >> l) * (RND_TILE >> l) + (x >> l)];
             }

@@ -166,9 +166,9 @@ float rnd_visible_error(float eccentricity_deg, float pixels_per_degree);
 bool rnd_tile_settled(const struct rnd_render *render, const struct rnd_tile *tile, int x, int y,
                       const float gaze[3]);
 
-/* Mean radiance of the tile (x, y) at a level: RND_TILE x RND_TILE x RGB floats. A pixel without a sample
- * takes the mean of the smallest square around it, by powers of two within the tile, that has one. False if
- * the tile is empty. *out_state (may be NULL) sums up the level-0 tiles below it. */
+/* Mean radiance of the tile (x, y) at a level: RND_TILE x RND_TILE x RGB floats. A pixel without a sample,
+ * or one that fewer than 64 left black, takes the mean of the smallest square around it, by powers of two
+ * within the tile, of which that is not so. False if the tile is empty. *out_state (may be NULL) sums up the level-0 tiles below it. */
 bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *out_rgb,
                      struct rnd_tile *out_state);
 
