@@ -188,7 +188,7 @@ void trk_get_status(struct trk_source *source, struct trk_status *out_status);
 /* An eye tracker that is plugged in. */
 struct trk_device_info {
     char source[288];             /* what trk_source_options.spec would be for it */
-    char name[160];               /* maker and product */
+    char name[160];               /* maker and product, and their numbers as udev rules have them */
     char abilities[256];          /* what it can do; "" if that cannot be known before it is open */
     char problem[TRK_ERROR_SIZE]; /* why it cannot be opened, and what to do; "" if it can */
 };
@@ -210,7 +210,7 @@ enum trk_result trk_read(struct trk_source *source, uint64_t until_ns, struct tr
  * dropped and their sequence numbers with them. A time before the last one counts as the last one. */
 bool trk_push(struct trk_source *source, const float direction[3], uint64_t time_ns);
 
-/* Ask the system to run the calling thread soon after it is woken, even while others compute: for a thread that
+/* Ask the system to run the calling thread soon after it is woken, even while others compute: for one that
  * does nothing but wait for gaze and pass it on. It needs no rights, and where it is not known (Linux before
  * 6.12) nothing changes. */
 void trk_be_prompt(void);

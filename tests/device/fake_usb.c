@@ -23,20 +23,22 @@ static const uint8_t descriptors[] = {
 
 void fake_usb_describe(struct fake_device *device, GString *out_text)
 {
-    unsigned n = device->number, address = 2 + n % 120;
-    snprintf(device->node, sizeof device->node, "/dev/bus/usb/001/%03u", address);
-    snprintf(device->system[0], sizeof device->system[0], "/sys/devices/pci0000:00/0000:00:14.0/usb1/1-2.%u",
-             n);
+    /* umockdev wants every node once: when a bus's addresses are used up, the next bus. */
+    unsigned n = device->number, bus = 1 + n / 120, address = 2 + n % 120,
+             minor = 128 * (bus - 1) + address - 1;
+    snprintf(device->node, sizeof device->node, "/dev/bus/usb/%03u/%03u", bus, address);
+    snprintf(device->system[0], sizeof device->system[0],
+             "/sys/devices/pci0000:00/0000:00:14.0/usb%u/%u-2.%u", bus, bus, n);
     device->systems = 1;
     g_string_append_printf(
         out_text,
         "P: %s\nA: dev=189:%u\\n\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\nE: DEVNAME=%s\n"
-        "E: BUSNUM=001\nE: DEVNUM=%03u\nE: MAJOR=189\nE: MINOR=%u\nE: PRODUCT=54c/cde/100\n",
-        device->system[0] + 4, address - 1, device->node, address, address - 1);
+        "E: BUSNUM=%03u\nE: DEVNUM=%03u\nE: MAJOR=189\nE: MINOR=%u\nE: PRODUCT=54c/cde/100\n",
+        device->system[0] + 4, minor, device->node, bus, address, minor);
     g_string_append_printf(out_text,
-                           "A: busnum=1\\n\nA: devnum=%u\\n\nA: speed=480\\n\nA: bConfigurationValue=1\\n\n"
+                           "A: busnum=%u\\n\nA: devnum=%u\\n\nA: speed=480\\n\nA: bConfigurationValue=1\\n\n"
                            "A: idVendor=%04x\\n\nA: idProduct=%04x\\n\nA: bcdDevice=0100\\n\nH: descriptors=",
-                           address, PSVR2_VENDOR, PSVR2_PRODUCT);
+                           bus, address, PSVR2_VENDOR, PSVR2_PRODUCT);
     for (size_t i = 0; i < sizeof descriptors; i++) g_string_append_printf(out_text, "%02X", descriptors[i]);
     g_string_append(out_text, "\n");
 }

@@ -12,7 +12,7 @@ if(UMOCKDEV_FOUND)
   add_executable(device_latency device/latency.c)
   target_link_libraries(device_latency PRIVATE fake tracker renderer m)
 endif()
-foreach(name hid psvr2 auto conformance fovead leak latency)
+foreach(name hid psvr2 auto list conformance fovead leak latency)
   add_test(NAME device_${name}
            COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/device/umockdev.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR} ${name})
   set_tests_properties(device_${name} PROPERTIES LABELS "device" TIMEOUT 120 SKIP_RETURN_CODE 77)

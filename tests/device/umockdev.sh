@@ -126,6 +126,20 @@ auto)
     says 'eye tracker PlayStation VR2'
     is connections 2
     ;;
+list)
+    # What is there, what it can do, and, without the right to it, the way out.
+    run hid broken psvr2 -- "$programs/fovead" --list-trackers
+    grep -q 'Fovea Test Tracker (deed:feed)' out || fail 'no HID tracker in the list'
+    grep -q 'gaze hid:/dev/hidraw0$' out || fail 'its path is not told'
+    grep -q 'problem.*byte 38: an item that is cut short' out || fail 'the broken one has no problem'
+    grep -q 'PlayStation VR2 (054c:0cde)' out || fail 'no PlayStation VR2 in the list'
+    if [ "$(id -u)" = 0 ] && setpriv --reuid 65534 --regid 65534 --clear-groups test -x "$programs/fovead" 2>/dev/null; then
+        chmod 755 "$place"
+        run hid -- sh -c 'chmod -R a+rX "$UMOCKDEV_DIR"; exec setpriv --reuid 65534 --regid 65534 --clear-groups "$@"' sh \
+            "$programs/fovead" --list-trackers
+        grep -q 'problem.*Permission denied; install 70-fovead.rules.*deed:feed' out || fail 'no advice on permissions'
+    fi
+    ;;
 conformance)
     # Sources that deliver, by the suite that is for all of them.
     run hid psvr2 -- "$programs/test_tracker_conformance" hid psvr2

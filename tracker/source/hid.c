@@ -162,7 +162,8 @@ static size_t hid_list(struct trk_device_info *out_devices, size_t room)
         struct trk_hid_layout layout;
         memset(info, 0, sizeof *info);
         snprintf(info->source, sizeof info->source, "hid:%.255s", nodes[i].path);
-        snprintf(info->name, sizeof info->name, "%s", nodes[i].name);
+        snprintf(info->name, sizeof info->name, "%.140s (%04x:%04x)", nodes[i].name, nodes[i].vendor,
+                 nodes[i].product);
         if (!learn_layout(&nodes[i], NULL, &layout, info->problem)) continue;
         describe_abilities(&layout, info->abilities, sizeof info->abilities);
         may_open(&nodes[i], info->problem);

@@ -113,7 +113,8 @@ static size_t usb_list(struct trk_device_info *out_devices, size_t room)
         libusb_device_handle *handle;
         memset(info, 0, sizeof *info);
         snprintf(info->source, sizeof info->source, "psvr2");
-        snprintf(info->name, sizeof info->name, "%s", tracker->name);
+        snprintf(info->name, sizeof info->name, "%s (%04x:%04x)", tracker->name, tracker->vendor,
+                 tracker->product);
         snprintf(info->abilities, sizeof info->abilities, "%s", tracker->abilities);
         if (open_handle(devices[i], tracker, &handle, info->problem)) libusb_close(handle);
     }
