@@ -72,7 +72,9 @@ timeout 60 "$programs/fovead" --scene room.obj --size 128 --gaze auto --until 9s
 wait "$hid" || fail "fovead never opened the HID tracker"
 wait "$usb" || fail "fovead never asked the PlayStation VR2 for gaze"
 grep gaze fovead.out
-grep -q '"gaze": "eye tracker' fovead.out || fail "$(cat fovead.err)"
+for name in 'Fovea Test Tracker' 'PlayStation VR2'; do
+    grep -q "eye tracker $name" fovead.err || fail "fovead never took the $name: $(cat fovead.err)"
+done
 valid=$(sed -n 's/.*"gaze_valid": \([0-9]*\).*/\1/p' fovead.out)
 [ "${valid:-0}" -ge 200 ] || fail "fovead saw ${valid:-no} valid samples"
 seconds
