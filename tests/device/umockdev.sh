@@ -167,7 +167,7 @@ leak)
     # closes its socket for them in the same moment: once in some hundred times.
     cycles=${CYCLES:-12} wrapper=
     for kind in ${KINDS:-hid psvr2}; do
-        run "$kind" run repeat:"$cycles" wait:0.4 out:"$kind" wait:0.05 "$kind" limit:10 end -- "$probe" "$kind" "$((cycles * 3 + 10))"
+        run "$kind" run repeat:"$cycles" wait:0.6 out:"$kind" wait:0.05 "$kind" limit:10 end -- "$probe" "$kind" "$((cycles * 3 + 10))"
         at_least connections "$cycles"
         at_least losses $((cycles * 9 / 10)) # gone before its first report: nothing to lose
         set -- $(sed 's/.*descriptors=\([0-9]*\)->\([0-9]*\) threads=\([0-9]*\)->\([0-9]*\).*/\1 \2 \3 \4/' out)
