@@ -179,6 +179,9 @@ static bool decide(struct dmn_gaze *gaze, const struct trk_sample *sample_or_nul
     if (now->moved) {
         memcpy(gaze->aim.gaze, now->direction, sizeof(gaze->aim.gaze));
         gaze->aim.spread = now->spread;
+    }
+    /* A sample that leaves the aim where it is has aimed all the same; while it is frozen, none does. */
+    if (now->moved || (sample_or_null && !gaze->frozen)) {
         gaze->aim.sequence = now->sequence;
         gaze->aim.time_ns = sample_or_null ? sample_or_null->arrival_ns : now_ns;
     }

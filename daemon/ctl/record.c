@@ -28,11 +28,8 @@ static bool request(struct pro_client *client, bool on, const char *path, bool r
 static bool wait_for(struct pro_client *client, double seconds)
 {
     uint64_t end_ns = dmn_now_ns() + (uint64_t)(seconds * 1e9);
-    struct sigaction action = {.sa_handler = on_interrupt};
     char error[PRO_ERROR_SIZE];
 
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
     while (!interrupted && dmn_now_ns() < end_ns) {
         uint64_t left_ms = (end_ns - dmn_now_ns()) / 1000000 + 1;
         Fovea__Message *message;
@@ -46,6 +43,7 @@ static bool wait_for(struct pro_client *client, double seconds)
 
 int ctl_record(const struct ctl *ctl)
 {
+    struct sigaction action = {.sa_handler = on_interrupt};
     const char *file = ctl->operand[0];
     char path[CTL_PATH_SIZE] = "";
     struct pro_client *client;
@@ -58,6 +56,10 @@ int ctl_record(const struct ctl *ctl)
     if (file && !ctl_make_absolute(file, path)) return 1;
     client = ctl_connect(ctl, FOVEA__ENCODING__ENCODING_NONE, false, false);
     if (!client) return 1;
+    if (ctl->given & CTL_FOR) {
+        sigaction(SIGINT, &action, NULL);
+        sigaction(SIGTERM, &action, NULL);
+    }
     good = request(client, !ctl->stop, path, ctl->given & CTL_REPLACE);
     if (good && ctl->given & CTL_FOR)
         good = wait_for(client, ctl->seconds) && request(client, false, "", false);

@@ -52,15 +52,15 @@ static void on_interrupt(int number)
     interrupted = number;
 }
 
-/* The first tile that answers a gaze sample tells how long the answer took; later ones would tell how long
- * the eye has rested. */
+/* The first tile that answers a gaze sample tells how long the answer took; later ones, and the first one
+ * after a freeze, would tell how long the eye has rested. */
 static void take_latency(struct watch *watch, const Fovea__Tile *tile)
 {
     uint64_t round_trip_ns, received_ns = dmn_now_ns();
     int64_t offset_ns;
     double times[STAGES];
 
-    if (!tile->gaze_ns || tile->gaze_sequence <= watch->sequence) return;
+    if (!tile->gaze_ns || tile->gaze_sequence <= watch->sequence || watch->stats.frozen) return;
     if (!pro_clock(watch->client, &round_trip_ns, &offset_ns)) return;
     watch->sequence = tile->gaze_sequence;
     received_ns += (uint64_t)offset_ns; /* by the daemon's clock */
@@ -295,6 +295,7 @@ static bool press(struct watch *watch, char key)
     char error[PRO_ERROR_SIZE];
 
     if (key == 'q') return false;
+    if (key != 'f' && key != 'c') return true;
     watch->answer[0] = '\0';
     if (key == 'f') {
         freeze.frozen = watch->stats.frozen = !watch->stats.frozen;
@@ -304,7 +305,8 @@ static bool press(struct watch *watch, char key)
         message.body_case = FOVEA__MESSAGE__BODY_RECENTRE;
         message.recentre = &recentre;
     }
-    if (key == 'f' || key == 'c') pro_send(watch->client, &message, error);
+    /* A connection that has broken is told when more is read from it. */
+    (void)pro_send(watch->client, &message, error);
     return true;
 }
 

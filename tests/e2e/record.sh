@@ -1,0 +1,74 @@
+#!/bin/sh
+# Recording gaze: what is recorded replays as it was, and a daemon that is killed leaves all but its last second.
+. "$(dirname "$0")/common.sh"
+make_room
+make_log
+small="--scene room.obj --size 256x128"
+tcp=tcp:localhost:$("$programs/e2e_port")
+
+# Round trip: the recording of a replay is the log, and gives the same picture.
+"$fovead" $small --gaze replay:short.gaze --clock virtual --record copy.gaze --save a.exr >/dev/null
+"$fovead" $small --gaze replay:copy.gaze --clock virtual --save b.exr >/dev/null
+cmp a.exr b.exr
+for log in short copy; do "$foveactl" gaze convert $log.gaze $log-again.gaze >/dev/null; done
+cmp short-again.gaze copy-again.gaze || fail "the recording is not the log"
+refused copy.gaze "$fovead" $small --gaze replay:short.gaze --until 1spp --record copy.gaze
+refused no/such "$fovead" $small --gaze replay:short.gaze --until 1spp --record no/such/copy.gaze
+"$fovead" $small --gaze replay:short.gaze --clock virtual --record copy.gaze --replace --json >json 2>err
+grep -q "recorded 120 samples to copy.gaze" err || fail "$(cat err)"
+
+# By a client, while it runs.
+start $small --gaze synthetic:2 --listen "unix:$place/fovead.sock" --listen "$tcp"
+"$foveactl" record mine.gaze | grep -qF "recording to $place/mine.gaze" || fail "not told where"
+refused 'being recorded' "$foveactl" record other.gaze
+[ ! -e other.gaze ] || fail "two recordings at once"
+refused socket "$foveactl" record tcp.gaze --connect "$tcp"
+refused socket "$foveactl" record --stop --connect "$tcp"
+sleep 1
+"$foveactl" stats --json | grep -q "\"recording\": \"$place/mine.gaze\"" || fail "not in the figures"
+"$foveactl" record --stop >said
+"$foveactl" gaze info --json mine.gaze >info.json
+[ "recorded $(number samples info.json) samples to $place/mine.gaze" = "$(cat said)" ] || fail "$(cat said info.json)"
+[ "$(number samples info.json)" -gt 100 ] || fail "$(cat info.json)"
+refused 'not being recorded' "$foveactl" record --stop
+refused exists "$foveactl" record mine.gaze
+"$foveactl" record mine.gaze --replace --for 0.5 >said
+[ "$(wc -l <said)" = 2 ] || fail "$(cat said)"
+refused usage "$foveactl" record
+refused usage "$foveactl" record a b
+refused usage "$foveactl" record --stop mine.gaze
+refused no/such "$foveactl" record no/such/mine.gaze
+# Ctrl-C ends it as the time does.
+rm said
+"$foveactl" record early.gaze --for 60 >said &
+recorder=$!
+until [ -s said ]; do sleep 0.1; done 2>/dev/null
+sleep 0.3
+kill -TERM $recorder
+wait $recorder || fail "record ended with status $?"
+grep -q 'recorded [1-9]' said || fail "$(cat said)"
+# What still goes on when the daemon ends is whole.
+"$foveactl" record last.gaze >/dev/null
+sleep 0.5
+stop
+grep -q "recorded [1-9][0-9]* samples to $place/last.gaze" daemon.out || fail "$(cat daemon.out)"
+"$foveactl" gaze info last.gaze >/dev/null
+
+# Killed in the middle.
+start $small --gaze synthetic:3 --record killed.gaze
+sleep 2.5
+"$foveactl" stats --json >before.json
+kill -9 "$daemon"
+wait "$daemon" || true
+daemon=
+"$foveactl" gaze info --json killed.gaze >info.json 2>info.err || fail "$(cat info.err)"
+seen=$(number gaze_samples before.json)
+kept=$(number samples info.json)
+echo "killed after $seen samples: $kept are kept"
+[ "$kept" -ge $((seen - 120)) ] && [ "$kept" -gt 150 ] || fail "$kept samples are left of $seen"
+"$fovead" $small --gaze replay:killed.gaze --clock virtual --json >replay.json 2>replay.err
+[ "$(number gaze_samples replay.json)" = "$kept" ] || fail "$(cat replay.json)"
+# A last line that a crash of the machine has torn is dropped, with a word.
+head -c -40 killed.gaze >torn.gaze
+"$foveactl" gaze info --json torn.gaze >torn.json
+[ "$(number samples torn.json)" = $((kept - 1)) ] || fail "$(cat torn.json)"
