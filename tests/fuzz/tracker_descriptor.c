@@ -3,7 +3,7 @@
  * As it is built here it is a test of its own (fuzz.h). With libFuzzer:
  *   clang -g -O1 -fsanitize=fuzzer,address,undefined -DLIBFUZZER -D_GNU_SOURCE -Itracker \
  *       tests/fuzz/tracker_descriptor.c tracker/hid_descriptor.c tracker/error.c -lm
- *   ./a.out -dict=tests/fuzz/descriptor.dict -runs=50000000 corpus tests/fuzz/corpus/descriptor
+ *   mkdir -p corpus && ./a.out -runs=50000000 corpus
  */
 #include "fuzz.h"
 
