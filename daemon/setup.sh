@@ -1,6 +1,6 @@
 #!/bin/sh
-# Installs what fovead is built from, as far as it is missing: sh daemon/setup.sh; with the tests' needs:
-# sh daemon/setup.sh tests. For Debian 12 and its relatives; as root, or by sudo where that asks nothing.
+# Installs what fovead is built from, as far as it is missing: sh daemon/setup.sh; with the tests' needs, and gnuplot,
+# by which foveactl and fovea-bench draw charts: sh daemon/setup.sh tests. For Debian 12 and its relatives; as root, or by sudo where that asks nothing.
 set -eu
 
 say() { printf 'setup: %s\n' "$*"; }
@@ -8,7 +8,7 @@ die() { printf 'setup: %s\n' "$*" >&2; exit 1; }
 
 case ${1:-} in
 '') tests= ;;
-tests) tests="gnuplot-nox libcmocka-dev libumockdev-dev umockdev" ;;
+tests) tests="busybox-static cpio gnuplot-nox libcmocka-dev libumockdev-dev qemu-system-x86 umockdev xz-utils" ;;
 *) die "usage: sh daemon/setup.sh [tests]" ;;
 esac
 packages="gcc g++ cmake ninja-build pkg-config protobuf-c-compiler libassimp-dev libcglm-dev libembree-dev libhidapi-dev

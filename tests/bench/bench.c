@@ -1,8 +1,10 @@
 /* fovea-bench: measurements, by name. */
 #include "bench.h"
 
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/wait.h>
 
 static const struct {
     const char *name, *help;
@@ -11,6 +13,23 @@ static const struct {
     {"converge", "time until the gaze disc reaches a given error, for every distribution", bench_converge},
     {"foveation", "angle between true gaze and what is rendered for; onset of saccades", bench_foveation},
 };
+
+FILE *bench_draw(void)
+{
+    signal(SIGPIPE, SIG_IGN); /* it may not be there */
+    return popen("gnuplot >/dev/null 2>&1", "w");
+}
+
+bool bench_drawn(FILE *gnuplot, const char *path)
+{
+    const int status = gnuplot ? pclose(gnuplot) : -1;
+    if (status == 0) return true;
+    if (status > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 127) /* the shell's word for it */
+        fprintf(stderr, "fovea-bench: gnuplot is missing: apt-get install gnuplot-nox\n");
+    else
+        fprintf(stderr, "fovea-bench: %s: gnuplot could not draw it there\n", path);
+    return false;
+}
 
 int main(int count, char **arguments)
 {

@@ -338,8 +338,8 @@ static void print_table(const struct setup *setup, const struct way *ways, int c
 
 static bool plot(const struct setup *setup, const struct way *ways, int count)
 {
-    FILE *gnuplot = popen("gnuplot", "w");
-    if (!gnuplot) return false;
+    FILE *gnuplot = bench_draw();
+    if (!gnuplot) return bench_drawn(gnuplot, setup->plot);
     fprintf(
         gnuplot,
         "set terminal svg size 800,560 font 'sans,14' background 'white'\nset output '%s'\nset logscale xy\n"
@@ -356,7 +356,7 @@ static bool plot(const struct setup *setup, const struct way *ways, int count)
             fprintf(gnuplot, "%g %g\n", ways[i].time[k], ways[i].error[k]);
         fprintf(gnuplot, "e\n");
     }
-    return pclose(gnuplot) == 0;
+    return bench_drawn(gnuplot, setup->plot);
 }
 
 int bench_converge(int count, char **arguments)
@@ -379,9 +379,8 @@ int bench_converge(int count, char **arguments)
     bool ok = film && reference;
     for (int r = 0; ok && r < setup.repeats; r++) ok = race(scene, &setup, ways, n, r, reference, film);
     fprintf(stderr, "\r%70s\r", "");
-    if (ok && setup.plot && !(ok = plot(&setup, ways, n)))
-        fprintf(stderr, "fovea-bench: gnuplot could not draw %s\n", setup.plot);
     if (ok) (setup.json ? print_json : print_table)(&setup, ways, n, reference_error);
+    if (ok && setup.plot) ok = plot(&setup, ways, n);
     free(film);
     free(reference);
     rnd_scene_destroy(scene);

@@ -400,8 +400,8 @@ static void print_json(const struct setup *setup, const struct result *result)
 static bool plot(const struct setup *setup, const struct result *result)
 {
     static const char *const colours[WAYS] = {"#999999", "#0072b2", "#d55e00"};
-    FILE *gnuplot = popen("gnuplot", "w");
-    if (!gnuplot) return false;
+    FILE *gnuplot = bench_draw();
+    if (!gnuplot) return bench_drawn(gnuplot, setup->plot);
     fprintf(gnuplot,
             "set terminal svg size 1000,720 font 'sans,14' background 'white'\nset output '%s'\n"
             "set multiplot layout 2,2 title \"Foveation error around saccades of 5 to 30 degrees\\n"
@@ -425,7 +425,7 @@ static bool plot(const struct setup *setup, const struct result *result)
         }
     }
     fputs("unset multiplot\n", gnuplot);
-    return pclose(gnuplot) == 0;
+    return bench_drawn(gnuplot, setup->plot);
 }
 
 int bench_foveation(int count, char **arguments)
@@ -438,9 +438,8 @@ int bench_foveation(int count, char **arguments)
               (!setup.plot || measure_chart(&world, &result));
     if (ok) measure_onsets(&world, &result);
     if (!ok) fprintf(stderr, "fovea-bench: no memory for %g s\n", setup.seconds);
-    if (ok && setup.plot && !(ok = plot(&setup, &result)))
-        fprintf(stderr, "fovea-bench: gnuplot could not draw %s\n", setup.plot);
     if (ok) (setup.json ? print_json : print_tables)(&setup, &result);
+    if (ok && setup.plot) ok = plot(&setup, &result);
     forget(&world);
     return ok ? 0 : 1;
 }

@@ -55,6 +55,7 @@ static size_t valid_stream(uint8_t *out, size_t room)
     Fovea__Hello hello = FOVEA__HELLO__INIT;
     Fovea__Gaze gaze = FOVEA__GAZE__INIT;
     Fovea__Stats stats = FOVEA__STATS__INIT;
+    Fovea__Tracker tracker = FOVEA__TRACKER__INIT;
     Fovea__Done done = FOVEA__DONE__INIT;
     Fovea__Tile tile = FOVEA__TILE__INIT;
     float numbers[4] = {0, 0, -1, 0}, rgb[TILE * TILE * 3];
@@ -62,8 +63,12 @@ static size_t valid_stream(uint8_t *out, size_t room)
     hello.version = 1;
     gaze.n_direction = 3;
     gaze.n_head = 4;
-    gaze.direction = gaze.head = numbers;
+    gaze.n_aim = 3;
+    gaze.direction = gaze.head = gaze.aim = numbers;
+    gaze.state = gaze.source = gaze.why = "fuzz";
     stats.samples_per_second = 1e6;
+    stats.gaze_source = "fuzz";
+    stats.tracker = &tracker;
     stats.samples = stats.rays = UINT64_MAX;
     done.text = "done";
     for (int i = 0; i < TILE * TILE * 3; i++) rgb[i] = (float)(i % 10) / 10;

@@ -118,6 +118,29 @@ static void everything_said(void **state)
     finish(&o);
 }
 
+static void gaze(void **state)
+{
+    struct dmn_options o;
+
+    (void)state;
+    run("--scene a.obj --gaze hid:/dev/hidraw3 --screen 0.6,0.34,0.7 --raw-gaze --predict --record g.gaze "
+        "--replace",
+        &o);
+    assert_true(o.screen.width_m == 0.6f && o.screen.height_m == 0.34f && o.screen.distance_m == 0.7f);
+    assert_true(o.raw_gaze && o.predict && o.replace);
+    assert_string_equal(o.record, "g.gaze");
+    finish(&o);
+    run("--scene a.obj --gaze psvr2 --calibration c.bin", &o);
+    assert_string_equal(o.calibration, "c.bin");
+    assert_false(o.raw_gaze || o.predict || o.record);
+    finish(&o);
+    run("--scene a.obj --screen 1,1,1 --calibration c.bin", &o); /* auto may be either */
+    finish(&o);
+    assert_int_equal(parse("--list-trackers", &o), DMN_LIST);
+    assert_int_equal(parse("--json --list-trackers", &o), DMN_LIST);
+    assert_true(o.json);
+}
+
 static void refused_with_one_line(void **state)
 {
     static const char *const LINES[] = {
@@ -161,6 +184,19 @@ static void refused_with_one_line(void **state)
         "--scene a --save b.png",
         "--scene a --listen tcp:localhost",
         "--scene a --json=1",
+        "--scene a --screen 1,2",
+        "--scene a --screen 1,2,0",
+        "--scene a --screen 1,2,nan",
+        "--scene a --screen 1,2,21",
+        "--scene a --gaze psvr2 --screen 1,1,1",
+        "--scene a --gaze hidden --screen 1,1,1",
+        "--scene a --gaze hid --calibration c",
+        "--scene a --gaze pointer --predict",
+        "--scene a --gaze pointer --raw-gaze",
+        "--scene a --until 1s --raw-gaze",
+        "--scene a --until 1s --record g",
+        "--scene a --replace",
+        "--list-trackers --nonsense",
     };
 
     (void)state;
@@ -243,6 +279,7 @@ int main(void)
         cmocka_unit_test(defaults),
         cmocka_unit_test(a_final_picture),
         cmocka_unit_test(everything_said),
+        cmocka_unit_test(gaze),
         cmocka_unit_test(refused_with_one_line),
         cmocka_unit_test(done),
         cmocka_unit_test(directions),

@@ -238,8 +238,8 @@ static void script_out_of_place(struct server *server)
     float numbers[] = {0, 0, -1, 0};
     server_until(server, FOVEA__MESSAGE__BODY_HELLO);
     server_welcome(server);
-    gaze.direction = gaze.head = numbers;
-    gaze.n_direction = 3;
+    gaze.direction = gaze.head = gaze.aim = numbers;
+    gaze.n_direction = gaze.n_aim = 3;
     server_send(server, FOVEA__MESSAGE__BODY_GAZE, &gaze); /* this one is good */
     switch (server->variant) {
     case 0:
@@ -263,6 +263,9 @@ static void script_out_of_place(struct server *server)
     case 6:
         server_send(server, FOVEA__MESSAGE__BODY_PING, &ping);
         break;
+    case 7:
+        gaze.n_aim = 2;
+        break;
     }
     server_send(server, FOVEA__MESSAGE__BODY_GAZE, &gaze);
     server_until_gone(server);
@@ -272,6 +275,7 @@ static void out_of_place(void **state)
 {
     (void)state;
     for (int i = 0; i <= 3; i++) assert_breaks(script_out_of_place, i, "a gaze of no direction");
+    assert_breaks(script_out_of_place, 7, "a gaze of no direction");
     assert_breaks(script_out_of_place, 4, "a message of kind 16 out of place");
     assert_breaks(script_out_of_place, 5, "a message of kind 4 out of place");
     assert_breaks(script_out_of_place, 6, "a message of kind 7 out of place");
