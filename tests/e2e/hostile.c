@@ -123,11 +123,13 @@ static int wrong(int fd, const char *how)
     Fovea__Acknowledge acknowledge = FOVEA__ACKNOWLEDGE__INIT;
     Fovea__Welcome welcome = FOVEA__WELCOME__INIT;
     Fovea__View view = FOVEA__VIEW__INIT;
+    Fovea__Recentre recentre = FOVEA__RECENTRE__INIT;
     float nothing[4] = {0, 0, 0, 0};
 
     if (!strcmp(how, "version")) hello(fd, FOVEA__ENCODING__ENCODING_NONE, 99);
     if (!strcmp(how, "encoding")) hello(fd, (Fovea__Encoding)77, PRO_VERSION);
-    if (!strcmp(how, "half") || !strcmp(how, "serial") || !strcmp(how, "welcome") || !strcmp(how, "view"))
+    if (!strcmp(how, "half") || !strcmp(how, "serial") || !strcmp(how, "welcome") || !strcmp(how, "view") ||
+        !strcmp(how, "recentre") || !strcmp(how, "nowhere"))
         hello(fd, FOVEA__ENCODING__ENCODING_NONE, PRO_VERSION);
     acknowledge.serial = 1000000;
     if (!strcmp(how, "serial") || !strcmp(how, "early"))
@@ -137,6 +139,10 @@ static int wrong(int fd, const char *how)
     view.orientation = nothing;
     view.fov_x = view.fov_y = 1;
     if (!strcmp(how, "view")) say(fd, FOVEA__MESSAGE__BODY_VIEW, &view);
+    recentre.direction = nothing;
+    recentre.n_direction = !strcmp(how, "recentre") ? 4 : 3;
+    if (!strcmp(how, "recentre") || !strcmp(how, "nowhere"))
+        say(fd, FOVEA__MESSAGE__BODY_RECENTRE, &recentre);
     if (!strcmp(how, "half")) put(fd, "\0\0\0\100half", 8);
     return dropped(fd); /* "silent" has said nothing at all */
 }
