@@ -13,6 +13,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 #ifndef LIBFUZZER
 
+#include <dirent.h>
+
 struct fuzz_seed {
     const uint8_t *bytes;
     size_t size;
@@ -69,6 +71,33 @@ static inline int fuzz_run(const struct fuzz_seed *seeds, size_t count, int roun
     }
     printf("%d inputs from %zu seeds\n", rounds, count);
     return 0;
+}
+
+/* The same with every file of a folder as a seed, first as it is. */
+static inline int fuzz_run_corpus(const char *folder, int rounds)
+{
+    enum { MOST = 256, ROOM = 4096 };
+    static uint8_t bytes[MOST][ROOM];
+    static struct fuzz_seed seeds[MOST];
+    struct dirent **entries;
+    const int found = scandir(folder, &entries, NULL, alphasort);
+    size_t count = 0;
+    for (int i = 0; i < found; free(entries[i++])) {
+        char path[1024];
+        snprintf(path, sizeof path, "%s/%s", folder, entries[i]->d_name);
+        FILE *file = entries[i]->d_name[0] == '.' || count == MOST ? NULL : fopen(path, "rb");
+        if (!file) continue;
+        seeds[count] = (struct fuzz_seed){bytes[count], fread(bytes[count], 1, ROOM, file)};
+        if (seeds[count].size > 0) count++;
+        fclose(file);
+    }
+    if (found >= 0) free(entries);
+    if (count == 0) {
+        fprintf(stderr, "%s: holds no inputs\n", folder);
+        return 1;
+    }
+    for (size_t i = 0; i < count; i++) LLVMFuzzerTestOneInput(seeds[i].bytes, seeds[i].size);
+    return fuzz_run(seeds, count, rounds);
 }
 
 #endif

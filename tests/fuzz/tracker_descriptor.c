@@ -3,7 +3,7 @@
  * As it is built here it is a test of its own (fuzz.h). With libFuzzer:
  *   clang -g -O1 -fsanitize=fuzzer,address,undefined -DLIBFUZZER -D_GNU_SOURCE -Itracker \
  *       tests/fuzz/tracker_descriptor.c tracker/hid_descriptor.c tracker/error.c -lm
- *   mkdir -p corpus && ./a.out -runs=50000000 corpus
+ *   ./a.out -runs=50000000 $(mktemp -d) tests/fuzz/corpus/descriptor
  */
 #include "fuzz.h"
 
@@ -37,10 +37,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 #ifndef LIBFUZZER
 int main(void)
 {
-    static const struct fuzz_seed seeds[] = {
-        {reference_descriptor, sizeof reference_descriptor},
-        {short_descriptor, sizeof short_descriptor},
-    };
-    return fuzz_run(seeds, sizeof seeds / sizeof *seeds, 200000);
+    return fuzz_run_corpus(CORPUS, 200000);
 }
 #endif

@@ -101,30 +101,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 
 #ifndef LIBFUZZER
 
-#include <dirent.h>
-
 int main(void)
 {
-    enum { MOST = 64, ROOM = 4096 };
-    static uint8_t bytes[MOST][ROOM];
-    struct fuzz_seed seeds[MOST];
-    size_t count = 0;
-    DIR *corpus = opendir(CORPUS);
-    for (struct dirent *entry; corpus && (entry = readdir(corpus)) && count < MOST;) {
-        char path[512];
-        snprintf(path, sizeof path, CORPUS "/%s", entry->d_name);
-        FILE *file = entry->d_name[0] == '.' ? NULL : fopen(path, "rb");
-        if (!file) continue;
-        seeds[count] = (struct fuzz_seed){bytes[count], fread(bytes[count], 1, ROOM, file)};
-        if (seeds[count].size > 0) count++;
-        fclose(file);
-    }
-    if (corpus) closedir(corpus);
-    if (count == 0) {
-        fprintf(stderr, "no logs in " CORPUS "\n");
-        return 1;
-    }
-    return fuzz_run(seeds, count, 40000);
+    return fuzz_run_corpus(CORPUS, 40000);
 }
 
 #endif

@@ -105,18 +105,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 #ifndef LIBFUZZER
 int main(void)
 {
-    static uint8_t packets[1 + 2 * PACKET],
-        reference[1 + 4 * 65] = {1, 0x10}, brief[1 + 8 * 9] = {2, 18},
-                          own[2 + sizeof short_descriptor + 64] = {3, sizeof short_descriptor};
-    for (size_t at = 1; at < sizeof packets; at += PACKET) {
-        memcpy(packets + at, "GS", 2);
-        for (size_t flag = 0x5c; flag < 0x11c; flag += 8) packets[at + flag] = 1;
-    }
-    for (size_t at = 1; at < sizeof reference; at += 16) reference[at] = 0x10;
-    memcpy(own + 2, short_descriptor, sizeof short_descriptor);
-    own[2 + sizeof short_descriptor] = 18;
-    const struct fuzz_seed seeds[] = {
-        {packets, sizeof packets}, {reference, sizeof reference}, {brief, sizeof brief}, {own, sizeof own}};
-    return fuzz_run(seeds, sizeof seeds / sizeof *seeds, 200000);
+    return fuzz_run_corpus(CORPUS, 200000);
 }
 #endif
