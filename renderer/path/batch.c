@@ -16,7 +16,7 @@
 
 enum {
     OUTLINE = 16, /* pixels a side of the cells of the first coarse picture */
-    CHUNK = 256,  /* paths that a thread takes at a time, about */
+    CHUNK = 64,   /* paths that a thread takes at a time, about */
     MAX_THREADS = 1024,
 };
 
