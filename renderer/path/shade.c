@@ -31,14 +31,14 @@ void rnd_surface_at(const struct rnd_scene *scene, const struct rnd_hit *hit, ve
     out->base = material->base;
     out->metallic = material->metallic;
     float roughness = material->roughness;
-    if (mesh->uv && (material->base_texture >= 0 || material->metal_rough_texture >= 0)) {
-        const float s = rnd_interpolate(mesh->uv, 2, 0, index, u, v),
-                    t = rnd_interpolate(mesh->uv, 2, 1, index, u, v);
-        if (material->base_texture >= 0)
+    if (mesh->uv[0] && (material->map[RND_MAP_BASE].texture >= 0 || material->map[RND_MAP_METAL_ROUGH].texture >= 0)) {
+        const float s = rnd_interpolate(mesh->uv[0], 2, 0, index, u, v),
+                    t = rnd_interpolate(mesh->uv[0], 2, 1, index, u, v);
+        if (material->map[RND_MAP_BASE].texture >= 0)
             out->base =
-                glms_vec3_mul(out->base, rnd_texture_rgb(&scene->texture[material->base_texture], s, t));
-        if (material->metal_rough_texture >= 0) {
-            const vec3s mr = rnd_texture_rgb(&scene->texture[material->metal_rough_texture], s, t);
+                glms_vec3_mul(out->base, rnd_texture_rgb(&scene->texture[material->map[RND_MAP_BASE].texture], s, t));
+        if (material->map[RND_MAP_METAL_ROUGH].texture >= 0) {
+            const vec3s mr = rnd_texture_rgb(&scene->texture[material->map[RND_MAP_METAL_ROUGH].texture], s, t);
             roughness *= mr.y;
             out->metallic *= mr.z;
         }
@@ -214,7 +214,7 @@ vec3s rnd_bsdf(const struct rnd_surface *surface, vec3s wo, vec3s wi, float *out
         rnd_frame(axis[2], &axis[0], &axis[1]);
         return metal_rough(surface, to_local(axis, wo), to_local(axis, wi), out_pdf);
     }
-    case RND_DIELECTRIC:
+    case RND_RICH:
         break;
     }
     return glms_vec3_zero();
@@ -222,7 +222,7 @@ vec3s rnd_bsdf(const struct rnd_surface *surface, vec3s wo, vec3s wi, float *out
 
 bool rnd_bsdf_draw(const struct rnd_surface *surface, vec3s wo, const float u[3], struct rnd_bsdf_sample *out)
 {
-    if (surface->material->kind == RND_DIELECTRIC) return draw_dielectric(surface, wo, u[2], out);
+    if (surface->material->kind == RND_RICH) return draw_dielectric(surface, wo, u[2], out);
 
     vec3s axis[3] = {[2] = surface->shading};
     rnd_frame(axis[2], &axis[0], &axis[1]);

@@ -201,7 +201,7 @@ static uint32_t shade(struct rnd_tracer *tracer, struct rnd_path *paths, uint32_
         rnd_surface_at(scene, hit, path->direction, &surface);
         add_emission(scene, path, &surface, hit);
         if (last) continue;
-        if (surface.material->kind != RND_DIELECTRIC &&
+        if (surface.material->kind != RND_RICH &&
             choose_light(scene, path, &surface, dimension, &tracer->shadow[shadows], &tracer->ray[shadows]))
             tracer->shadow[shadows++].path = p;
         if (bounce(path, &surface, depth, dimension)) tracer->alive[alive++] = p;

@@ -128,12 +128,12 @@ static bool read_gltf_material(struct import *in, const struct aiMaterial *from,
     to->emission = read_colour(from, KEY(AI_MATKEY_COLOR_EMISSIVE), glms_vec3_zero());
     aiGetMaterialIntegerArray(from, AI_MATKEY_TWOSIDED, &sides, NULL);
     to->double_sided = sides != 0;
-    if (!read_texture(in, from, aiTextureType_BASE_COLOR, true, &to->base_texture) ||
-        !read_texture(in, from, aiTextureType_METALNESS, false, &to->metal_rough_texture) ||
-        !read_texture(in, from, aiTextureType_EMISSIVE, true, &to->emission_texture))
+    if (!read_texture(in, from, aiTextureType_BASE_COLOR, true, &to->map[RND_MAP_BASE].texture) ||
+        !read_texture(in, from, aiTextureType_METALNESS, false, &to->map[RND_MAP_METAL_ROUGH].texture) ||
+        !read_texture(in, from, aiTextureType_EMISSIVE, true, &to->map[RND_MAP_EMISSION].texture))
         return false;
     const float transmission = read_float(from, KEY(AI_MATKEY_TRANSMISSION_FACTOR), 0.0f);
-    if (transmission >= 0.5f) to->kind = RND_DIELECTRIC;
+    if (transmission >= 0.5f) to->kind = RND_RICH;
     if (transmission > 0.0f && transmission < 1.0f) rnd_scene_unsupported(in->scene, "partial transmission");
     if (transmission > 0.0f && to->roughness > 0.0f) rnd_scene_unsupported(in->scene, "rough transmission");
     return true;
@@ -152,18 +152,18 @@ static bool read_mtl_material(struct import *in, const struct aiMaterial *from, 
     to->double_sided = true;
     to->metallic = 0.0f;
     to->specular = 0.0f;
-    if (!read_texture(in, from, aiTextureType_DIFFUSE, true, &to->base_texture) ||
-        !read_texture(in, from, aiTextureType_EMISSIVE, true, &to->emission_texture))
+    if (!read_texture(in, from, aiTextureType_DIFFUSE, true, &to->map[RND_MAP_BASE].texture) ||
+        !read_texture(in, from, aiTextureType_EMISSIVE, true, &to->map[RND_MAP_EMISSION].texture))
         return false;
     const bool shiny = rnd_luminance(ks.raw) > 0.0f;
     if ((illum == 4 || illum == 6 || illum == 7 || illum == 9) && to->ior > 1.0f) {
-        to->kind = RND_DIELECTRIC;
+        to->kind = RND_RICH;
         to->base = glms_vec3_one();
     } else if ((illum == 3 || illum == 5) && shiny) {
         to->base = ks;
         to->metallic = 1.0f;
         to->roughness = 0.0f;
-        to->base_texture = -1;
+        to->map[RND_MAP_BASE].texture = -1;
     } else if (illum == 2 && shiny && ns > 1.0f) {
         to->specular = 1.0f;
         to->roughness =
@@ -191,20 +191,24 @@ static bool read_materials(struct import *in)
         struct rnd_material *to = &scene->material[i];
         *to = (struct rnd_material){.kind = RND_METAL_ROUGH,
                                     .base = {{0.8f, 0.8f, 0.8f}},
-                                    .metallic = 0.0f,
+                                    .alpha = 1.0f,
+                                    .alpha_cutoff = 0.5f,
                                     .roughness = 1.0f,
                                     .specular = 1.0f,
+                                    .specular_colour = {{1.0f, 1.0f, 1.0f}},
                                     .ior = 1.5f,
-                                    .base_texture = -1,
-                                    .metal_rough_texture = -1,
-                                    .emission_texture = -1};
+                                    .thin = true,
+                                    .normal_scale = 1.0f,
+                                    .clearcoat_normal_scale = 1.0f};
+        for (int use = 0; use < RND_MAPS; use++) to->map[use].texture = -1;
         if (!(in->gltf ? read_gltf_material : read_mtl_material)(in, in->file->mMaterials[i], to))
             return false;
     }
     if (!rnd_import_gltf_extras(scene, in->path, material_name, in, in->error)) return false;
     for (uint32_t i = 0; i < scene->material_count; i++) {
         struct rnd_material *m = &scene->material[i];
-        const bool lambert = m->specular == 0.0f && m->metallic == 0.0f && m->metal_rough_texture < 0;
+        const bool lambert =
+            m->specular == 0.0f && m->metallic == 0.0f && m->map[RND_MAP_METAL_ROUGH].texture < 0;
         if (m->kind == RND_METAL_ROUGH && lambert) m->kind = RND_DIFFUSE;
         if (!isfinite(rnd_luminance(m->base.raw)) || !isfinite(rnd_luminance(m->emission.raw)) ||
             !isfinite(m->roughness) || !isfinite(m->metallic) || !(m->ior >= 1.0f) ||
@@ -247,10 +251,10 @@ static bool read_vertices(struct import *in, const struct aiMesh *from, const st
             const vec3s n = glms_vec3_normalize(transform(&inverse, &from->mNormals[i], 0.0f));
             memcpy(to->normal + 3 * (size_t)i, n.raw, sizeof n);
         }
-        if (to->uv) {
+        if (to->uv[0]) {
             const struct aiVector3D *t = &from->mTextureCoords[0][i];
-            to->uv[2 * (size_t)i] = fabsf(t->x) <= MAX_COORDINATE ? t->x : 0.0f;
-            to->uv[2 * (size_t)i + 1] = fabsf(t->y) <= MAX_COORDINATE ? t->y : 0.0f;
+            to->uv[0][2 * (size_t)i] = fabsf(t->x) <= MAX_COORDINATE ? t->x : 0.0f;
+            to->uv[0][2 * (size_t)i + 1] = fabsf(t->y) <= MAX_COORDINATE ? t->y : 0.0f;
         }
     }
     return true;
@@ -279,9 +283,9 @@ static bool read_mesh(struct import *in, const struct aiMesh *from, const struct
     to->position = malloc((3 * n + 1) * sizeof *to->position);
     to->index = malloc(triangles * sizeof *to->index);
     if (from->mNormals) to->normal = malloc(3 * n * sizeof *to->normal);
-    if (from->mTextureCoords[0]) to->uv = malloc(2 * n * sizeof *to->uv);
+    if (from->mTextureCoords[0]) to->uv[0] = malloc(2 * n * sizeof *to->uv[0]);
     if (!to->position || !to->index || (from->mNormals && !to->normal) ||
-        (from->mTextureCoords[0] && !to->uv))
+        (from->mTextureCoords[0] && !to->uv[0]))
         return fail(in, "not enough memory");
     to->position[3 * n] = 0.0f;
     if (!read_vertices(in, from, world, to)) return false;

@@ -134,7 +134,7 @@ static float triangle_power(const struct rnd_scene *scene, const struct rnd_mesh
     }
     /* A textured light may be dark in all seven places and bright between: it keeps some chance. */
     const float floor =
-        material->emission_texture >= 0 ? 0.01f * rnd_luminance(material->emission.raw) : 0.0f;
+        material->map[RND_MAP_EMISSION].texture >= 0 ? 0.01f * rnd_luminance(material->emission.raw) : 0.0f;
     return (sum / 7.0f + floor) * triangle_area(mesh, triangle) * (float)M_PI *
            (material->double_sided ? 2 : 1);
 }

@@ -67,7 +67,9 @@ void rnd_scene_destroy(struct rnd_scene *scene)
     for (uint32_t i = 0; i < scene->mesh_count; i++) {
         free(scene->mesh[i].position);
         free(scene->mesh[i].normal);
-        free(scene->mesh[i].uv);
+        free(scene->mesh[i].uv[0]);
+        free(scene->mesh[i].uv[1]);
+        free(scene->mesh[i].colour);
         free(scene->mesh[i].index);
     }
     free(scene->mesh);

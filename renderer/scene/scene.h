@@ -22,23 +22,60 @@ vec3s rnd_texture_rgb(const struct rnd_texture *texture, float u, float v);
 
 /* --- materials --- */
 
+/* Which of the integrator's stages serves a material: the cheapest that is right for it. */
 enum rnd_material_kind {
     RND_DIFFUSE,     /* Lambert alone */
     RND_METAL_ROUGH, /* glTF 2.0 metallic-roughness: GGX over Lambert */
-    RND_DIELECTRIC,  /* smooth: reflects and refracts, nothing else */
+    RND_RICH,        /* all else that glTF has: transmission, volume, clearcoat, sheen, unlit, second uv */
 };
 
+/* What a texture of a material drives. */
+enum rnd_map_use {
+    RND_MAP_BASE,                /* sRGB; alpha is coverage */
+    RND_MAP_METAL_ROUGH,         /* green roughness, blue metallic */
+    RND_MAP_NORMAL,              /* tangent space */
+    RND_MAP_EMISSION,            /* sRGB */
+    RND_MAP_TRANSMISSION,        /* red */
+    RND_MAP_SPECULAR,            /* alpha */
+    RND_MAP_SPECULAR_COLOUR,     /* sRGB */
+    RND_MAP_CLEARCOAT,           /* red */
+    RND_MAP_CLEARCOAT_ROUGHNESS, /* green */
+    RND_MAP_CLEARCOAT_NORMAL,
+    RND_MAP_SHEEN_COLOUR,    /* sRGB */
+    RND_MAP_SHEEN_ROUGHNESS, /* alpha */
+    RND_MAPS,
+};
+
+/* A look into a texture. KHR_texture_transform: (u, v) goes to (m0 u + m1 v + m2, m3 u + m4 v + m5). */
+struct rnd_map {
+    int texture; /* index, or -1: none, its factor stands alone */
+    uint8_t uv_set;
+    bool has_transform;
+    float transform[6];
+};
+
+/* glTF 2.0 with its extensions; what other formats have is mapped to it. */
 struct rnd_material {
     enum rnd_material_kind kind;
+    enum { RND_OPAQUE, RND_MASK, RND_BLEND } alpha_mode;
     vec3s base;
+    float alpha,
+        alpha_cutoff; /* coverage: factor of the base texture's alpha; below cutoff nothing is there */
     float metallic, roughness;
-    float specular; /* KHR_materials_specular factor: scales the reflectance of the non-metal */
     float ior;
-    vec3s emission;          /* radiance, W sr-1 m-2 */
-    bool double_sided;       /* emits from both sides; every material is hit from both */
-    int base_texture;        /* index, or -1 */
-    int metal_rough_texture; /* green roughness, blue metallic */
-    int emission_texture;
+    float specular; /* KHR_materials_specular: scales the reflectance of the non-metal */
+    vec3s specular_colour;
+    float transmission;
+    bool thin;        /* transmits without bending: no KHR_materials_volume thickness */
+    vec3s absorption; /* 1/m, inside: KHR_materials_volume */
+    float clearcoat, clearcoat_roughness;
+    vec3s sheen_colour;
+    float sheen_roughness;
+    float normal_scale, clearcoat_normal_scale;
+    bool unlit;
+    vec3s emission;    /* radiance, W sr-1 m-2 */
+    bool double_sided; /* emits from both sides; every material is hit from both */
+    struct rnd_map map[RND_MAPS];
 };
 
 /* --- geometry --- */
@@ -47,7 +84,8 @@ struct rnd_mesh {
     uint32_t vertices, triangles;
     float *position; /* 3 a vertex, one float more for Embree's wide loads */
     float *normal;   /* 3 a vertex, or NULL: flat */
-    float *uv;       /* 2 a vertex, or NULL */
+    float *uv[2];    /* 2 a vertex, or NULL: TEXCOORD_0 and _1 */
+    float *colour;   /* linear RGBA, 4 a vertex, or NULL: COLOR_0, which multiplies base and alpha */
     uint32_t (*index)[3];
     uint32_t material;
     uint32_t first_light; /* of its triangles among the scene's area lights, or UINT32_MAX */
@@ -138,9 +176,9 @@ bool rnd_import(struct rnd_scene *scene, const char *path, char out_error[RND_ER
 /* gltf.c: are the nodes of a glTF file trees of at most RND_NODE_DEPTH, as glTF 2.0 section 3.5.2 wants them?
  * assimp would follow what is not to the end of memory. */
 bool rnd_gltf_check(const char *path, char out_error[RND_ERROR_SIZE]);
-/* gltf.c: what assimp drops of a glTF file: emissive strength and specular factor of every material, told apart by
- * assimp's order and name(names, index), and the names of what the renderer does not do. Nothing happens for other
- * files. */
+/* gltf.c: what assimp drops of a glTF file: emissive strength and specular factor of every material, told
+ * apart by assimp's order and name(names, index), and the names of what the renderer does not do. Nothing
+ * happens for other files. */
 bool rnd_import_gltf_extras(struct rnd_scene *scene, const char *path,
                             const char *(*name)(const void *names, uint32_t index), const void *names,
                             char out_error[RND_ERROR_SIZE]);

@@ -62,9 +62,9 @@ vec3s rnd_texture_rgb(const struct rnd_texture *texture, float u, float v)
 vec3s rnd_emission(const struct rnd_scene *scene, const struct rnd_material *material,
                    const struct rnd_mesh *mesh, const uint32_t index[3], float u, float v)
 {
-    if (material->emission_texture < 0 || !mesh->uv) return material->emission;
-    const float s = rnd_interpolate(mesh->uv, 2, 0, index, u, v),
-                t = rnd_interpolate(mesh->uv, 2, 1, index, u, v);
+    if (material->map[RND_MAP_EMISSION].texture < 0 || !mesh->uv[0]) return material->emission;
+    const float s = rnd_interpolate(mesh->uv[0], 2, 0, index, u, v),
+                t = rnd_interpolate(mesh->uv[0], 2, 1, index, u, v);
     return glms_vec3_mul(material->emission,
-                         rnd_texture_rgb(&scene->texture[material->emission_texture], s, t));
+                         rnd_texture_rgb(&scene->texture[material->map[RND_MAP_EMISSION].texture], s, t));
 }

@@ -206,7 +206,7 @@ static void below_and_delta(void **state)
         assert_true(rnd_bsdf(&s, direction(&s, 0.5, 0), direction(&s, -0.3, 1), &pdf).x == 0.0f &&
                     pdf == 0.0f);
     }
-    const struct case_of_bsdf glass = {"glass", RND_DIELECTRIC, 0, 0, 1};
+    const struct case_of_bsdf glass = {"glass", RND_RICH, 0, 0, 1};
     make(&glass, 1.0f, &material, &s);
     assert_true(rnd_bsdf(&s, direction(&s, 0.5, 0), direction(&s, 0.5, 3), &pdf).x == 0.0f && pdf == 0.0f);
 }
@@ -215,7 +215,7 @@ static void below_and_delta(void **state)
 static void dielectric(void **state)
 {
     (void)state;
-    const struct case_of_bsdf glass = {"glass", RND_DIELECTRIC, 0, 0, 1};
+    const struct case_of_bsdf glass = {"glass", RND_RICH, 0, 0, 1};
     static const struct {
         double angle, reflectance;
         bool front;
