@@ -34,17 +34,14 @@ double rnd_acuity_integral(double eccentricity_deg)
            SCALE * (outer_integral(0.3 * eccentricity_deg + 1.0) - outer_integral(0.3 * FOVEA_DEG + 1.0));
 }
 
-/* Where the two branches of the published fit part. */
-static const float join = 0.0965f;
-
 float rnd_eccentricity_polynomial(float u)
 {
-    if (u <= join) return 18.64f * sqrtf(u);
-    return (((25.09f * u + 0.1680f) * u + 27.61f) * u + 23.87f) * u + 3.232f;
+    return rnd_polynomial(u);
 }
 
 float rnd_polynomial_inverse(float e, float *out_slope)
 {
+    const float join = RND_POLYNOMIAL_JOIN;
     *out_slope = 2.0f * e / (18.64f * 18.64f);
     if (e <= rnd_eccentricity_polynomial(join)) return e * e / (18.64f * 18.64f);
     *out_slope = 0.0f;

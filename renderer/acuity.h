@@ -2,12 +2,23 @@
 #ifndef FOVEAD_RENDERER_ACUITY_H
 #define FOVEAD_RENDERER_ACUITY_H
 
+#include "path/v3.h"
 #include "renderer.h"
 
 #define RND_OUTER_DEG 80.0f /* the model ends here (Koskela 2018) */
 
 /* Integral of g(e) = 2 pi e m(e) from 0 to e, both in degrees (Koskela 2018 eq. 5). */
 double rnd_acuity_integral(double eccentricity_deg);
+
+#define RND_POLYNOMIAL_JOIN 0.0965f /* where the two branches of the published fit part */
+
+/* rnd_eccentricity_polynomial() for loops over many. */
+RND_INLINE float rnd_polynomial(float u)
+{
+    const float inner = 18.64f * sqrtf(u),
+                outer = (((25.09f * u + 0.1680f) * u + 27.61f) * u + 23.87f) * u + 3.232f;
+    return u <= RND_POLYNOMIAL_JOIN ? inner : outer;
+}
 
 /* The u of which rnd_eccentricity_polynomial() is e, 0 to 80 degrees, and the slope du/de there. Between its
  * branches, which do not meet, and beyond u = 1 lies nothing: the slope is 0, and u that of the nearer end.

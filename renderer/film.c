@@ -26,6 +26,19 @@ void rnd_film_finish(struct rnd_film *film)
     film->tile = NULL;
 }
 
+void rnd_film_empty(struct rnd_film_tile *tile, uint32_t generation)
+{
+    rnd_film_lock(tile);
+    if (tile->state.samples > 0) {
+        memset(tile->count, 0, sizeof tile->count);
+        memset(tile->drawn, 0, sizeof tile->drawn);
+        memset(tile->block, 0, sizeof tile->block);
+    }
+    tile->state = (struct rnd_tile){.generation = generation};
+    tile->passed = false;
+    rnd_film_unlock(tile);
+}
+
 void rnd_film_add(const struct rnd_film *film, struct rnd_film_tile *tile, const struct rnd_sample *samples,
                   uint32_t count, const struct rnd_aim *aim, uint64_t now_ns)
 {
@@ -35,19 +48,24 @@ void rnd_film_add(const struct rnd_film *film, struct rnd_film_tile *tile, const
         tile->state.error = INFINITY;
         tile->next_judgement = 2 * RND_TILE_PIXELS;
     }
+    uint32_t added = 0;
     for (uint32_t i = 0; i < count; i++) {
         const struct rnd_sample *s = &samples[i];
-        float *sum = tile->half[s->number & 1][s->pixel];
-        const uint32_t x = s->pixel % RND_TILE, y = s->pixel / RND_TILE;
+        if (s->pixel == RND_TILE_PIXELS) continue;
+        const uint32_t h = s->number & 1, x = s->pixel % RND_TILE, y = s->pixel / RND_TILE;
+        float *sum = tile->half[h][s->pixel];
         float *block = tile->block[y / RND_BLOCK * (RND_TILE / RND_BLOCK) + x / RND_BLOCK];
-        tile->state.unvisited -= tile->count[s->pixel]++ == 0;
+        tile->state.unvisited -= rnd_film_count(tile, s->pixel) == 0;
+        /* The half-sums are most of a film: emptying it leaves them as they were, and this is in time. */
+        if (tile->count[h][s->pixel]++ == 0) sum[0] = sum[1] = sum[2] = 0.0f;
         for (int c = 0; c < 3; c++) {
             sum[c] += s->rgb[c];
             block[c] += s->rgb[c];
         }
         block[3] += 1.0f;
+        added++;
     }
-    tile->state.samples += count;
+    tile->state.samples += added;
     tile->state.gaze_sequence = aim->sequence;
     tile->state.gaze_ns = aim->time_ns;
     tile->state.aimed_ns = now_ns;
@@ -110,8 +128,11 @@ static void add_tile(const struct rnd_film_tile *tile, int scale, int left, int 
         for (int x = 0; x < RND_TILE; x++) {
             const int i = y * RND_TILE + x;
             float *to = sums->value[top + y / scale][left + x / scale];
-            for (int c = 0; c < 3; c++) to[c] += tile->half[0][i][c] + tile->half[1][i][c];
-            to[3] += (float)tile->count[i];
+            for (int h = 0; h < 2; h++) {
+                if (tile->count[h][i] == 0) continue;
+                for (int c = 0; c < 3; c++) to[c] += tile->half[h][i][c];
+                to[3] += (float)tile->count[h][i];
+            }
         }
 }
 
@@ -182,6 +203,7 @@ bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *
         1 << level; /* level-0 tiles a side; from level 7 on, each is less than a pixel of the sums */
     struct sums sums = {0};
     struct rnd_tile state;
+    bool mixed = false; /* part of it was emptied meanwhile */
     for (int i = 0; i < span * span; i++) {
         const int dx = i % span, dy = i / span;
         struct rnd_film_tile *tile = &film->tile[(y * span + dy) * film->across + x * span + dx];
@@ -190,37 +212,44 @@ bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *
         if (part.samples > 0) add_tile(tile, span, dx * RND_TILE / span, dy * RND_TILE / span, &sums);
         merge_state(&state, &part, i == 0);
         rnd_film_unlock(tile);
+        mixed |= part.generation != state.generation;
     }
     state.luminance /= (float)(span * span);
     if (out_state) *out_state = state;
-    return fill(&sums, out_rgb);
+    return !mixed && fill(&sums, out_rgb);
 }
 
 /* Standard error of a pixel's luminance from its halves; 0 if one is empty. */
 static float pixel_error(const struct rnd_film_tile *tile, int i)
 {
-    const uint32_t n = tile->count[i], odd = n / 2, even = n - odd;
-    if (odd == 0) return 0.0f;
+    const uint32_t even = tile->count[0][i], odd = tile->count[1][i];
+    if (odd == 0 || even == 0) return 0.0f;
     return 0.5f * fabsf(rnd_luminance(tile->half[0][i]) / even - rnd_luminance(tile->half[1][i]) / odd);
 }
 
 void rnd_render_resolve(struct rnd_render *render, float *out_rgb, float *out_samples, float *out_error)
 {
     const struct rnd_film *film = &render->film;
+    pthread_mutex_lock(&render->whole);
     for (int t = 0; t < film->across * film->down; t++) {
         struct rnd_film_tile *tile = &film->tile[t];
         const int left = t % film->across * RND_TILE, top = t / film->across * RND_TILE;
         rnd_film_lock(tile);
         for (int i = 0; i < RND_TILE_PIXELS; i++) {
             const size_t to = (size_t)(top + i / RND_TILE) * film->width + left + i % RND_TILE;
-            const float scale = tile->count[i] ? 1.0f / (float)tile->count[i] : 0.0f;
-            for (int c = 0; out_rgb && c < 3; c++)
-                out_rgb[3 * to + c] = (tile->half[0][i][c] + tile->half[1][i][c]) * scale;
-            if (out_samples) out_samples[to] = (float)tile->count[i];
+            float sum[3] = {0}, n = 0.0f;
+            for (int h = 0; h < 2; h++)
+                if (tile->count[h][i] > 0) {
+                    n += (float)tile->count[h][i];
+                    for (int c = 0; c < 3; c++) sum[c] += tile->half[h][i][c];
+                }
+            for (int c = 0; out_rgb && c < 3; c++) out_rgb[3 * to + c] = n > 0.0f ? sum[c] / n : 0.0f;
+            if (out_samples) out_samples[to] = n;
             if (out_error) out_error[to] = pixel_error(tile, i);
         }
         rnd_film_unlock(tile);
     }
+    pthread_mutex_unlock(&render->whole);
 }
 
 bool rnd_render_save(struct rnd_render *render, const char *path, char out_error[RND_ERROR_SIZE])

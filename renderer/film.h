@@ -20,11 +20,14 @@ enum {
 struct rnd_film_tile {
     atomic_flag lock; /* guards everything below */
     struct rnd_tile state;
-    uint64_t next_judgement;           /* samples at which the error is worth a look */
-    bool passed;                       /* the last judgement was below the bar */
-    uint32_t count[RND_TILE_PIXELS];   /* paths; even ones went to half 0, odd ones to half 1 */
-    float half[2][RND_TILE_PIXELS][3]; /* sums of radiance */
-    float block[RND_TILE_BLOCKS][4];   /* sums of radiance, and the count */
+    uint64_t next_judgement;            /* samples at which the error is worth a look */
+    bool passed;                        /* the last judgement was below the bar */
+    uint32_t count[2][RND_TILE_PIXELS]; /* paths in each half */
+    float half[2][RND_TILE_PIXELS][3];  /* sums of radiance; without meaning where count is 0 */
+    float block[RND_TILE_BLOCKS][4];    /* sums of radiance, and the count */
+    /* Paths that positions were drawn for: numbers of the next ones. A batch that was cut short leaves some
+     * out. Not guarded: only whoever places a batch looks at it. */
+    uint32_t drawn[RND_TILE_PIXELS];
 };
 
 struct rnd_film {
@@ -36,12 +39,20 @@ struct rnd_film {
 
 /* A path's end: which pixel of its tile, what it brought. */
 struct rnd_sample {
-    uint32_t pixel, number; /* number: the pixel's paths before this one */
+    uint32_t pixel;  /* RND_TILE_PIXELS: it was left out */
+    uint32_t number; /* the pixel's paths before this one; even ones go to half 0, odd ones to half 1 */
     float rgb[3];
 };
 
 bool rnd_film_init(struct rnd_film *film, int width, int height, float error_bar);
 void rnd_film_finish(struct rnd_film *film);
+/* Take all paths out of a tile: it is as at first, but of that generation. */
+void rnd_film_empty(struct rnd_film_tile *tile, uint32_t generation);
+
+static inline uint32_t rnd_film_count(const struct rnd_film_tile *tile, uint32_t pixel)
+{
+    return tile->count[0][pixel] + tile->count[1][pixel];
+}
 
 /* Add samples to a tile; aim and now_ns are what it remembers as its newest batch. */
 void rnd_film_add(const struct rnd_film *film, struct rnd_film_tile *tile, const struct rnd_sample *samples,

@@ -6,25 +6,44 @@
 #include "path/pool.h"
 #include "scene/scene.h"
 
+#include <pthread.h>
+#include <stdatomic.h>
+
 struct rnd_worker; /* one thread's own memory: path/batch.c */
+
+/* The paths of a tile in a batch. */
+struct rnd_run {
+    uint32_t tile, first, end;
+    _Atomic uint32_t left; /* waves that still have some of them */
+};
 
 struct rnd_render {
     const struct rnd_scene *scene;
+    float eye[3];
     const struct rnd_distribution *distribution;
     struct rnd_film film;
+    pthread_mutex_t whole; /* held while the film is read as a whole, and while it is emptied */
     struct rnd_pool *pool;
     struct rnd_worker *worker; /* one for each thread of the pool */
     int workers;
     uint32_t seed;
-    uint32_t next_place; /* positions drawn so far: the index of the next one */
+    uint32_t next_cell;  /* cells of positions drawn so far */
+    uint32_t generation; /* restarts so far */
 
     /* the batch under way */
-    uint32_t capacity; /* of the arrays below, paths */
-    float *place;      /* directions: 3 a path */
-    uint32_t *pixel;   /* tile * RND_TILE_PIXELS + pixel within it */
-    uint32_t *order;   /* paths sorted by tile, first drawn first */
-    uint32_t *start;   /* where each tile's paths begin in order; tiles + 1 */
-    uint32_t *chunk;   /* tiles at which the shares of work begin; at most tiles + 1 */
+    uint32_t capacity;         /* of the arrays below, paths */
+    uint32_t *cell;            /* of positions, sixteen paths each */
+    uint32_t *pixel;           /* of paths as drawn: tile * RND_TILE_PIXELS + pixel within it */
+    struct rnd_sample *sample; /* of paths by tile, first drawn first */
+    uint32_t *run_of;          /* which run each of them is in */
+    struct rnd_run *run;       /* tiles of them at most */
+    uint32_t runs;
+    uint32_t *start; /* where each tile's paths begin; tiles + 1 */
 };
+
+/* path/place.c: draw the positions of paths around aim (drawn: by the render's distribution, else one in
+ * every cell of the outline), sort them by tile and number them. */
+enum { RND_OUTLINE = 16 }; /* pixels a side of the cells of the first coarse picture */
+void rnd_place(struct rnd_render *render, const struct rnd_aim *aim, uint32_t paths, bool drawn);
 
 #endif

@@ -11,12 +11,14 @@
  * - Radiance is linear, scene-referred, Rec.709 primaries, float.
  * - Every random number is addressed by (seed, pixel, sample, dimension): the same batches give the same film
  * bit for bit, whatever the number of threads.
+ * - What is rendered changes only by rnd_render_restart(), which empties the film: a new generation of it.
  * - Errors are one line of text in a caller's buffer of RND_ERROR_SIZE bytes that names the file and the
  * cause.
  */
 #ifndef FOVEAD_RENDERER_H
 #define FOVEAD_RENDERER_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -38,6 +40,7 @@ struct rnd_scene_options {
     bool has_sun;
     float sun[4]; /* azimuth (deg, right of -Z), elevation (deg), irradiance on a surface facing it, angular
                      diameter (deg, 0 to 90) */
+    float env_azimuth; /* deg by which the environment map is turned to the right */
     bool has_eye;
     float eye[3]; /* m; without it the first camera of the file, else the middle of the scene's bounds */
 };
@@ -74,6 +77,9 @@ struct rnd_aim {
     /* How many times wider than the eye's own acuity fv and fv-exact should be, for a gaze that is not sure: at
      * eccentricity e they then follow m(e / spread), to 80 degrees as ever. 1 or less, also 0: as it is. */
     float spread;
+    /* Set by any thread as soon as there is a newer aim: the batch then ends within the time of a wave, and the paths
+     * that nobody has begun are left out. NULL: it is traced whole. */
+    const atomic_bool *stale;
 };
 
 /* A way to place samples on the sphere of directions. */
@@ -81,6 +87,7 @@ struct rnd_distribution {
     const char *name;    /* as an option names it */
     const char *summary; /* half a line */
     const char *source;  /* author, year, equation */
+    bool follows_gaze;   /* else what is settled for the gaze still gets its samples */
     /* Fill out (count x 3, unit vectors, world) from u (count x 2, in [0,1)). */
     void (*sample)(const struct rnd_aim *aim, size_t count, const float *u, float *out);
     /* Density per steradian at a unit direction; integrates to one over the sphere. */
@@ -117,16 +124,26 @@ struct rnd_render_options {
     const struct rnd_distribution *distribution;
 };
 
-/* NULL and a line in out_error for a bad size or no memory. The scene must outlive the render. */
+/* NULL and a line in out_error for a bad size or no memory. The eye is where rnd_scene_info() says. The scene
+ * must outlive the render, or its use by it: see below. */
 struct rnd_render *rnd_render_create(const struct rnd_scene *scene, const struct rnd_render_options *options,
                                      char out_error[RND_ERROR_SIZE]);
 void rnd_render_destroy(struct rnd_render *render); /* accepts NULL */
+int rnd_render_threads(const struct rnd_render *render);
+
+/* Empty the film and go on with this scene, which may be the same, seen from eye (m), as a render that was
+ * just created would: bit for bit. The former scene is not used any more once this returns. Not while a batch
+ * runs. Readers may read meanwhile: every tile is as it was or empty, and says by its generation which. */
+void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene, const float eye[3]);
 
 struct rnd_batch {
     uint64_t paths, rays, not_finite; /* traced in this batch; paths that counted as black because
                                          their radiance was not finite */
     double seconds;                   /* wall time of the batch */
     double place_seconds;             /* of these, drawing and ordering positions */
+    /* Time of all threads together: within Embree; surfaces, their textures and what they emit; choosing lights;
+     * BSDFs; adding to the film. */
+    double rays_seconds, surface_seconds, light_seconds, scatter_seconds, film_seconds;
 };
 
 /* Trace one batch of paths placed by the render's distribution around aim, and add it to the film. Blocks
@@ -140,6 +157,12 @@ void rnd_render_batch(struct rnd_render *render, const struct rnd_aim *aim, uint
 void rnd_render_outline(struct rnd_render *render, const struct rnd_aim *aim, uint64_t now_ns,
                         struct rnd_batch *out_batch);
 
+/* Trace a batch as rnd_render_batch() does, then make the same calls to Embree once more, by the same threads and with
+ * nothing in between: *out_seconds is what traversal alone takes of the processors' time. Negative if memory is
+ * short. */
+void rnd_render_retrace(struct rnd_render *render, const struct rnd_aim *aim, uint32_t paths,
+                        struct rnd_batch *out_batch, double *out_seconds);
+
 /* --- film: any thread may read, while a batch runs
  * ------------------------------------------------------------ */
 
@@ -150,6 +173,7 @@ struct rnd_tile {
     float luminance; /* mean, once the error is known */
     bool converged;  /* error below the bar at two judgements in a row, every pixel with 16 paths or more */
     uint64_t gaze_sequence, gaze_ns, aimed_ns; /* of the newest batch that reached it */
+    uint32_t generation;                       /* how often the render had been restarted before all this */
 };
 
 /* Level 0 is the film; every next level halves it, down to the last that is whole tiles. */
@@ -168,13 +192,14 @@ bool rnd_tile_settled(const struct rnd_render *render, const struct rnd_tile *ti
 
 /* Mean radiance of the tile (x, y) at a level: RND_TILE x RND_TILE x RGB floats. A pixel without a sample,
  * or one that fewer than 64 left black, takes the mean of the smallest square around it, by powers of two
- * within the tile, of which that is not so. False if the tile is empty. *out_state (may be NULL) sums up the level-0 tiles below it. */
+ * within the tile, of which that is not so. False if the tile is empty, or just being emptied. *out_state
+ * (may be NULL) sums up the level-0 tiles below it. */
 bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *out_rgb,
                      struct rnd_tile *out_state);
 
 /* The whole film, width x height: mean radiance (RGB), number of paths, and standard error of the luminance
  * from the half-buffers (0 where fewer than two paths fell). Each may be NULL. Pixels without a path are 0.
- */
+ * All of it is of one generation: a restart waits until it is read. */
 void rnd_render_resolve(struct rnd_render *render, float *out_rgb, float *out_samples, float *out_error);
 
 /* Write the film as EXR: R, G, B, "samples", "error", marked as an equirectangular environment for 360

@@ -6,21 +6,23 @@
 #ifndef FOVEAD_RENDERER_SAMPLER_H
 #define FOVEAD_RENDERER_SAMPLER_H
 
+#include "path/v3.h"
+
 #include <stdint.h>
 
-static inline uint32_t rnd_hash(uint32_t x)
+RND_INLINE uint32_t rnd_hash(uint32_t x)
 {
     x ^= x >> 16, x *= 0x7feb352du;
     x ^= x >> 15, x *= 0x846ca68bu;
     return x ^ x >> 16;
 }
 
-static inline uint32_t rnd_hash2(uint32_t a, uint32_t b)
+RND_INLINE uint32_t rnd_hash2(uint32_t a, uint32_t b)
 {
     return rnd_hash(a + 0x9e3779b9u * rnd_hash(b));
 }
 
-static inline uint32_t rnd_reverse(uint32_t x)
+RND_INLINE uint32_t rnd_reverse(uint32_t x)
 {
     x = __builtin_bswap32(x);
     x = (x >> 4 & 0x0f0f0f0fu) | (x & 0x0f0f0f0fu) << 4;
@@ -30,7 +32,7 @@ static inline uint32_t rnd_reverse(uint32_t x)
 
 /* A random permutation in which every bit depends on lower ones only: Owen's scramble of bit-reversed
  * numbers. */
-static inline uint32_t rnd_permute(uint32_t x, uint32_t seed)
+RND_INLINE uint32_t rnd_permute(uint32_t x, uint32_t seed)
 {
     x ^= x * 0x3d20adeau;
     x += seed;
@@ -41,7 +43,7 @@ static inline uint32_t rnd_permute(uint32_t x, uint32_t seed)
 }
 
 /* The second Sobol dimension, bit-reversed: the Pascal triangle mod 2 applied to the bits of the index. */
-static inline uint32_t rnd_pascal(uint32_t x)
+RND_INLINE uint32_t rnd_pascal(uint32_t x)
 {
     x ^= x >> 1 & 0x55555555u;
     x ^= x >> 2 & 0x33333333u;
@@ -51,13 +53,13 @@ static inline uint32_t rnd_pascal(uint32_t x)
 }
 
 /* 32 random bits to [0,1). */
-static inline float rnd_unit(uint32_t x)
+RND_INLINE float rnd_unit(uint32_t x)
 {
     return (float)(x >> 8) * 0x1p-24f;
 }
 
 /* The point of this index in the sequence of this seed and dimension; both coordinates in [0,1). */
-static inline void rnd_pair(uint32_t seed, uint32_t dimension, uint32_t index, float out[2])
+RND_INLINE void rnd_pair(uint32_t seed, uint32_t dimension, uint32_t index, float out[2])
 {
     const uint32_t s = rnd_hash2(seed, dimension);
     const uint32_t i = rnd_reverse(rnd_permute(rnd_reverse(index), s));

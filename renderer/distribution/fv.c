@@ -6,6 +6,7 @@
  */
 #include "acuity.h"
 #include "distribution/distribution.h"
+#include "path/v3.h"
 #include "sphere.h"
 
 static const float deg = (float)(M_PI / 180.0);
@@ -17,22 +18,40 @@ static float spread_of(const struct rnd_aim *aim)
     return fmaxf(aim->spread, 1.0f);
 }
 
-static void place(const struct rnd_aim *aim, float share, size_t count, const float *u, float *out,
-                  float (*eccentricity)(float))
+/* From the unit square to u, uniform, and an azimuth as a fraction of a turn, by the disc (Shirley and Chiu
+ * 1997): what is near each other in the square is near each other around the gaze. */
+RND_INLINE void disc(float a, float b, float *out_u, float *out_turn)
 {
-    const vec3s gaze = rnd_vec(aim->gaze);
-    const float scale = spread_of(aim) * deg;
-    vec3s x, y;
-    rnd_frame(gaze, &x, &y);
+    const float x = 2.0f * a - 1.0f, y = 2.0f * b - 1.0f;
+    const int wide = fabsf(x) > fabsf(y);
+    const float r = wide ? x : y, other = wide ? y : x, safe = r == 0.0f ? 1.0f : r;
+    const float eighth = 0.125f * other / safe;
+    float turn = wide ? eighth : 0.25f - eighth;
+    turn = r < 0.0f ? turn + 0.5f : turn;
+    *out_turn = turn < 0.0f ? turn + 1.0f : turn;
+    *out_u = rnd_smaller(r * r, 0x1.fffffep-1f);
+}
+
+/* Directions from u and azimuths; eccentricity[i] in degrees. */
+static void put(const struct rnd_aim *aim, size_t count, const float *eccentricity, const float *turn,
+                float *out)
+{
+    const struct rnd_v3 gaze = {aim->gaze[0], aim->gaze[1], aim->gaze[2]};
+    const struct rnd_v3_frame frame = rnd_v3_frame(gaze);
+    const float scale = spread_of(aim) / 360.0f;
+#pragma omp simd
     for (size_t i = 0; i < count; i++) {
-        const float e = eccentricity(share * u[2 * i]) * scale, phi = u[2 * i + 1] * 2.0f * (float)M_PI;
-        const float s = sinf(e);
-        vec3s d = glms_vec3_scale(gaze, cosf(e));
-        d = glms_vec3_muladds(x, s * cosf(phi), d);
-        d = glms_vec3_muladds(y, s * sinf(phi), d);
-        glm_vec3_copy((float *)d.raw, out + 3 * i);
+        float se, ce, sa, ca;
+        rnd_turn(eccentricity[i] * scale, &se, &ce);
+        rnd_turn(turn[i], &sa, &ca);
+        const struct rnd_v3 d = rnd_v3_to_world(&frame, rnd_v3(se * ca, se * sa, ce));
+        out[3 * i] = d.x;
+        out[3 * i + 1] = d.y;
+        out[3 * i + 2] = d.z;
     }
 }
+
+enum { SOME = 64 }; /* positions at a time */
 
 /* Per steradian, from a density per degree of eccentricity; e / sin e is 180 / pi at the gaze itself. */
 static float per_steradian(float e_deg, float per_degree)
@@ -53,7 +72,16 @@ static float exact_share(float spread)
 
 static void exact_sample(const struct rnd_aim *aim, size_t count, const float *u, float *out)
 {
-    place(aim, exact_share(spread_of(aim)), count, u, out, rnd_eccentricity_exact);
+    const float share = exact_share(spread_of(aim));
+    float e[SOME], turn[SOME];
+    for (size_t first = 0; first < count; first += SOME) {
+        const size_t n = count - first < SOME ? count - first : SOME;
+        for (size_t i = 0; i < n; i++) {
+            disc(u[2 * (first + i)], u[2 * (first + i) + 1], &e[i], &turn[i]);
+            e[i] = rnd_eccentricity_exact(share * e[i]);
+        }
+        put(aim, n, e, turn, out + 3 * first);
+    }
 }
 
 static float exact_density(const struct rnd_aim *aim, const float direction[3])
@@ -73,7 +101,18 @@ static float polynomial_share(float spread)
 
 static void polynomial_sample(const struct rnd_aim *aim, size_t count, const float *u, float *out)
 {
-    place(aim, polynomial_share(spread_of(aim)), count, u, out, rnd_eccentricity_polynomial);
+    const float share = polynomial_share(spread_of(aim));
+    float e[SOME], turn[SOME];
+    for (size_t first = 0; first < count; first += SOME) {
+        const size_t n = count - first < SOME ? count - first : SOME;
+#pragma omp simd
+        for (size_t i = 0; i < n; i++) {
+            float v;
+            disc(u[2 * (first + i)], u[2 * (first + i) + 1], &v, &turn[i]);
+            e[i] = rnd_polynomial(share * v);
+        }
+        put(aim, n, e, turn, out + 3 * first);
+    }
 }
 
 /* The density that the published fit implies: du/de. The two branches do not meet: nothing falls in the
@@ -91,6 +130,7 @@ const struct rnd_distribution rnd_distribution_fv = {
     .name = "fv",
     .summary = "by visual acuity around the gaze, published polynomial",
     .source = "Koskela 2018, eq. 7",
+    .follows_gaze = true,
     .sample = polynomial_sample,
     .density = polynomial_density,
 };
@@ -99,6 +139,7 @@ const struct rnd_distribution rnd_distribution_fv_exact = {
     .name = "fv-exact",
     .summary = "by visual acuity around the gaze, exact inverse",
     .source = "Koskela 2018, eq. 2 and 5",
+    .follows_gaze = true,
     .sample = exact_sample,
     .density = exact_density,
 };

@@ -1,13 +1,16 @@
 /* OD: uniform in the equirectangular image, wherever the eye looks. */
 #include "distribution/distribution.h"
-#include "sphere.h"
+#include "path/uv.h"
 
 static void od_sample(const struct rnd_aim *aim, size_t count, const float *u, float *out)
 {
     (void)aim;
+#pragma omp simd
     for (size_t i = 0; i < count; i++) {
-        const vec3s d = rnd_from_uv(u[2 * i], u[2 * i + 1]);
-        glm_vec3_copy((float *)d.raw, out + 3 * i);
+        const struct rnd_v3 d = rnd_v3_from_uv(u[2 * i], u[2 * i + 1]);
+        out[3 * i] = d.x;
+        out[3 * i + 1] = d.y;
+        out[3 * i + 2] = d.z;
     }
 }
 

@@ -1,10 +1,14 @@
-/* A batch: positions are drawn around the gaze, sorted by tile, traced, and added to the film.
+/* A batch: positions are drawn around the gaze, their paths traced in waves by all threads, and added to the
+ * film.
  *
  * Which paths are traced, and in which order they reach a pixel, depends on the batches alone and not on the
- * threads: a tile's paths of one batch are traced and added by one thread, first drawn first. So the film is
- * the same bit for bit with any number of threads.
+ * threads: waves are cut from the sorted paths, and a tile's paths are added together, first drawn first, by
+ * whoever finishes the last wave that has some of them. So the film is the same bit for bit with any number
+ * of threads.
  */
+#include "path/tape.h"
 #include "path/trace.h"
+#include "path/uv.h"
 #include "render.h"
 #include "sampler.h"
 
@@ -14,182 +18,125 @@
 #include <time.h>
 #include <unistd.h>
 
-enum {
-    OUTLINE = 16, /* pixels a side of the cells of the first coarse picture */
-    CHUNK = 64,   /* paths that a thread takes at a time, about */
-    MAX_THREADS = 1024,
-};
+enum { MAX_THREADS = 1024 };
 
 struct rnd_worker {
     struct rnd_tracer *tracer;
-    uint64_t rays, not_finite;
-    struct rnd_sample *sample; /* capacity of the batch */
-    struct rnd_path path[RND_WAVE];
-    uint32_t
-        before[RND_TILE_PIXELS]; /* paths of this batch that a pixel has had so far; zero between tiles */
-};
+    struct rnd_wave_io io;
+    uint64_t rays, traced, not_finite, film_ns;
+    struct rnd_tape *tape;
+    bool played;
+    double play_seconds;
+} __attribute__((aligned(64))); /* no line of the cache is two threads' */
 
 struct work {
     struct rnd_render *render;
     const struct rnd_aim *aim;
     uint64_t now_ns;
-    uint32_t paths;
-    bool drawn; /* positions come from the distribution, else from the cells of the outline */
-    uint32_t chunks;
-    _Atomic uint32_t next; /* chunk that no thread has taken yet */
+    uint32_t paths, wave, waves, step;
+    _Atomic uint32_t next; /* wave that no thread has taken yet */
 };
 
-static double seconds(void)
+static uint64_t now_ns(void)
 {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+    return (uint64_t)t.tv_sec * 1000000000 + (uint64_t)t.tv_nsec;
 }
 
-/* --- where --- */
+/* --- waves --- */
 
-static uint32_t pixel_index(const struct rnd_film *film, int x, int y)
-{
-    const uint32_t tile = (uint32_t)(y / RND_TILE * film->across + x / RND_TILE);
-    return tile * RND_TILE_PIXELS + (uint32_t)(y % RND_TILE * RND_TILE + x % RND_TILE);
-}
-
-static void place_drawn(struct rnd_render *render, const struct rnd_aim *aim, uint32_t first, uint32_t end)
-{
-    enum { DRAW = 256 };
-    const struct rnd_film *film = &render->film;
-    float u[2 * DRAW];
-    for (uint32_t i = first; i < end; i += DRAW) {
-        const uint32_t n = end - i < DRAW ? end - i : DRAW;
-        float *place = render->place + 3 * (size_t)i;
-        for (uint32_t k = 0; k < n; k++) rnd_pair(render->seed, 0, render->next_place + i + k, u + 2 * k);
-        render->distribution->sample(aim, n, u, place);
-        for (uint32_t k = 0; k < n; k++) {
-            float s, t;
-            rnd_to_uv(rnd_vec(place + 3 * k), &s, &t);
-            const int x = (int)(s * film->width), y = (int)(t * film->height);
-            render->pixel[i + k] = pixel_index(film, x < film->width ? x : film->width - 1,
-                                               y < film->height ? y : film->height - 1);
-        }
-    }
-}
-
-/* A random pixel of each cell. */
-static void place_outline(struct rnd_render *render, uint32_t first, uint32_t end)
-{
-    const uint32_t across = (uint32_t)render->film.width / OUTLINE;
-    for (uint32_t i = first; i < end; i++) {
-        const uint32_t h = rnd_hash2(render->seed + 1, i);
-        render->pixel[i] = pixel_index(&render->film, (int)(i % across * OUTLINE + h % OUTLINE),
-                                       (int)(i / across * OUTLINE + h / OUTLINE % OUTLINE));
-    }
-}
-
-static void place(void *context, int worker)
-{
-    const struct work *work = context;
-    const uint64_t threads = (uint64_t)work->render->workers, paths = work->paths;
-    const uint32_t first = (uint32_t)(paths * (unsigned)worker / threads);
-    const uint32_t end = (uint32_t)(paths * ((unsigned)worker + 1u) / threads);
-    if (work->drawn)
-        place_drawn(work->render, work->aim, first, end);
-    else
-        place_outline(work->render, first, end);
-}
-
-/* Counting sort by tile; paths of a tile stay in the order in which they were drawn. */
-static void sort(struct rnd_render *render, uint32_t paths)
-{
-    const uint32_t tiles = (uint32_t)(render->film.across * render->film.down);
-    uint32_t *start = render->start;
-    memset(start, 0, (tiles + 1) * sizeof *start);
-    for (uint32_t i = 0; i < paths; i++) start[render->pixel[i] / RND_TILE_PIXELS + 1]++;
-    for (uint32_t t = 0; t < tiles; t++) start[t + 1] += start[t];
-    for (uint32_t i = 0; i < paths; i++) render->order[start[render->pixel[i] / RND_TILE_PIXELS]++] = i;
-    memmove(start + 1, start, tiles * sizeof *start); /* each moved on to its end: the next one's start */
-    start[0] = 0;
-}
-
-/* Cut the sorted paths where a tile ends into chunks of about CHUNK; returns their number. */
-static uint32_t cut(struct rnd_render *render)
-{
-    const uint32_t tiles = (uint32_t)(render->film.across * render->film.down);
-    uint32_t chunks = 0, begin = 0;
-    render->chunk[0] = 0;
-    for (uint32_t t = 1; t <= tiles; t++)
-        if (render->start[t] - render->start[begin] >= CHUNK || t == tiles)
-            render->chunk[++chunks] = begin = t;
-    return chunks;
-}
-
-/* --- what --- */
-
-/* Aim the next path of a pixel: its place within it and all that follows are its own random numbers. */
+/* Aim a path: its place within the pixel and all that follows are the pixel's own random numbers. */
 static void aim_path(const struct rnd_render *render, uint32_t tile, const struct rnd_sample *sample,
-                     struct rnd_path *path)
+                     struct rnd_wave_io *io, uint32_t i)
 {
     const uint32_t across = (uint32_t)render->film.across;
     const uint32_t x = tile % across * RND_TILE + sample->pixel % RND_TILE;
     const uint32_t y = tile / across * RND_TILE + sample->pixel / RND_TILE;
     const uint32_t pixel = y * (uint32_t)render->film.width + x;
     float u[2];
-    path->seed = rnd_hash2(render->seed, 2 * pixel + (sample->number & 1));
-    path->index = sample->number >> 1;
-    path->origin = rnd_vec(render->scene->info.eye);
-    rnd_pair(path->seed, RND_DIMENSION_PIXEL, path->index, u);
-    path->direction = rnd_from_uv(((float)x + u[0]) / (float)render->film.width,
-                                  ((float)y + u[1]) / (float)render->film.height);
+    io->seed[i] = rnd_hash2(render->seed, 2 * pixel + (sample->number & 1));
+    io->index[i] = sample->number >> 1;
+    rnd_pair(io->seed[i], RND_DIMENSION_PIXEL, io->index[i], u);
+    const struct rnd_v3 d = rnd_v3_from_uv(((float)x + u[0]) / (float)render->film.width,
+                                           ((float)y + u[1]) / (float)render->film.height);
+    io->direction[0][i] = d.x;
+    io->direction[1][i] = d.y;
+    io->direction[2][i] = d.z;
 }
 
-static void trace_wave(struct rnd_worker *worker, struct rnd_sample *samples, uint32_t count)
+/* Trace paths first to end of the sorted ones. */
+static void trace_wave(struct rnd_render *render, struct rnd_worker *worker, uint32_t first, uint32_t end)
 {
-    worker->rays += rnd_trace(worker->tracer, worker->path, count);
+    const uint32_t count = end - first;
+    struct rnd_wave_io *io = &worker->io;
+    for (uint32_t i = 0; i < count; i++)
+        aim_path(render, render->run[render->run_of[first + i]].tile, &render->sample[first + i], io, i);
+    worker->rays += rnd_trace(worker->tracer, render->eye, io, count);
+    worker->traced += count;
     for (uint32_t i = 0; i < count; i++) {
-        const vec3s rgb = worker->path[i].radiance;
-        const bool finite = isfinite(rgb.x) && isfinite(rgb.y) && isfinite(rgb.z);
+        const float r = io->radiance[0][i], g = io->radiance[1][i], b = io->radiance[2][i];
+        const bool finite = isfinite(r + g + b);
+        float *rgb = render->sample[first + i].rgb;
         worker->not_finite += !finite;
-        for (int c = 0; c < 3; c++) samples[i].rgb[c] = finite ? rgb.raw[c] : 0.0f;
+        rgb[0] = finite ? r : 0.0f;
+        rgb[1] = finite ? g : 0.0f;
+        rgb[2] = finite ? b : 0.0f;
     }
 }
 
-/* A chunk: the paths of some neighbouring tiles, traced in waves and then added tile by tile. */
-static void trace_chunk(const struct work *work, struct rnd_worker *worker, uint32_t first_tile,
-                        uint32_t end_tile)
+/* The wave is done: add to the film the tiles of which it was the last. */
+static void finish_wave(const struct work *work, struct rnd_worker *worker, uint32_t first, uint32_t end)
 {
     struct rnd_render *render = work->render;
-    const uint32_t *start = render->start;
-    const uint32_t base = start[first_tile];
-    uint32_t waiting = 0; /* paths of the wave that is being filled */
-    for (uint32_t t = first_tile; t < end_tile; t++) {
-        struct rnd_film_tile *tile = &render->film.tile[t];
-        for (uint32_t i = start[t]; i < start[t + 1]; i++) {
-            struct rnd_sample *sample = &worker->sample[i - base];
-            sample->pixel = render->pixel[render->order[i]] % RND_TILE_PIXELS;
-            /* No other thread writes these counts while this one has the tile. */
-            sample->number = tile->count[sample->pixel] + worker->before[sample->pixel]++;
-            aim_path(render, t, sample, &worker->path[waiting]);
-            if (++waiting < RND_WAVE) continue;
-            trace_wave(worker, sample + 1 - waiting, waiting);
-            waiting = 0;
-        }
-        for (uint32_t i = start[t]; i < start[t + 1]; i++) worker->before[worker->sample[i - base].pixel] = 0;
+    const uint64_t start = now_ns();
+    for (uint32_t r = render->run_of[first]; r <= render->run_of[end - 1]; r++) {
+        struct rnd_run *run = &render->run[r];
+        if (atomic_fetch_sub_explicit(&run->left, 1, memory_order_acq_rel) != 1) continue;
+        rnd_film_add(&render->film, &render->film.tile[run->tile], render->sample + run->first,
+                     run->end - run->first, work->aim, work->now_ns);
     }
-    trace_wave(worker, worker->sample + (start[end_tile] - base) - waiting, waiting);
-    for (uint32_t t = first_tile; t < end_tile; t++)
-        if (start[t + 1] > start[t])
-            rnd_film_add(&render->film, &render->film.tile[t], worker->sample + start[t] - base,
-                         start[t + 1] - start[t], work->aim, work->now_ns);
+    worker->film_ns += now_ns() - start;
 }
 
-/* Take chunks until none is left. Where they begin depends on the batch alone. */
+/* Take waves until none is left; once the aim is stale, leave their paths out. They are not taken in the
+ * order of the tiles, so that what is left out is not always the lower half of the sphere. */
 static void trace(void *context, int index)
 {
     struct work *work = context;
     struct rnd_render *render = work->render;
     for (;;) {
-        const uint32_t i = atomic_fetch_add_explicit(&work->next, 1, memory_order_relaxed);
-        if (i >= work->chunks) break;
-        trace_chunk(work, &render->worker[index], render->chunk[i], render->chunk[i + 1]);
+        const uint32_t k = atomic_fetch_add_explicit(&work->next, 1, memory_order_relaxed);
+        if (k >= work->waves) break;
+        const uint32_t i = (uint32_t)((uint64_t)k * work->step % work->waves);
+        const uint32_t first = i * work->wave, last = first + work->wave,
+                       end = last < work->paths ? last : work->paths;
+        const atomic_bool *stale = work->aim->stale;
+        if (stale && atomic_load_explicit(stale, memory_order_relaxed))
+            for (uint32_t p = first; p < end; p++) render->sample[p].pixel = RND_TILE_PIXELS;
+        else
+            trace_wave(render, &render->worker[index], first, end);
+        finish_wave(work, &render->worker[index], first, end);
+    }
+}
+
+static uint32_t divisor(uint32_t a, uint32_t b)
+{
+    return b == 0 ? a : divisor(b, a % b);
+}
+
+/* Cut the paths into waves. */
+static void cut(struct work *work)
+{
+    struct rnd_render *render = work->render;
+    work->wave = RND_WAVE;
+    work->waves = (work->paths + work->wave - 1) / work->wave;
+    /* About the golden section of them apart, and all of them. */
+    work->step = (uint32_t)(0.618 * work->waves) | 1u;
+    while (divisor(work->step, work->waves) != 1) work->step++;
+    for (uint32_t r = 0; r < render->runs; r++) {
+        struct rnd_run *run = &render->run[r];
+        atomic_init(&run->left, (run->end - 1) / work->wave - run->first / work->wave + 1);
     }
 }
 
@@ -198,61 +145,97 @@ static void trace(void *context, int index)
 static bool reserve(struct rnd_render *render, uint32_t paths)
 {
     if (paths <= render->capacity) return true;
-    free(render->place);
+    const size_t tiles = (size_t)render->film.across * (size_t)render->film.down;
+    free(render->cell);
     free(render->pixel);
-    free(render->order);
-    render->place = malloc(3 * (size_t)paths * sizeof *render->place);
+    free(render->sample);
+    free(render->run_of);
+    free(render->run);
+    render->cell = malloc((paths / 16 + 1) * sizeof *render->cell);
     render->pixel = malloc(paths * sizeof *render->pixel);
-    render->order = malloc(paths * sizeof *render->order);
-    bool ok = render->place && render->pixel && render->order;
-    for (int i = 0; i < render->workers; i++) {
-        free(render->worker[i].sample);
-        render->worker[i].sample = malloc(paths * sizeof *render->worker[i].sample);
-        ok = ok && render->worker[i].sample;
-    }
+    render->sample = malloc(paths * sizeof *render->sample);
+    render->run_of = malloc(paths * sizeof *render->run_of);
+    render->run = malloc((tiles < paths ? tiles : paths) * sizeof *render->run);
+    const bool ok = render->cell && render->pixel && render->sample && render->run_of && render->run;
     render->capacity = ok ? paths : 0;
     return ok;
 }
 
-static void run(struct work *work, struct rnd_batch *out_batch)
+static void run(struct work *work, bool drawn, struct rnd_batch *out_batch)
 {
     struct rnd_render *render = work->render;
-    const double start = seconds();
+    const uint64_t start = now_ns();
     *out_batch = (struct rnd_batch){0};
-    if (!reserve(render, work->paths)) return; /* no memory: a batch without a path */
+    if (work->paths == 0 || !reserve(render, work->paths)) return; /* no memory: a batch without a path */
     for (int i = 0; i < render->workers; i++) {
         struct rnd_worker *worker = &render->worker[i];
-        worker->rays = worker->not_finite = 0;
+        worker->rays = worker->traced = worker->not_finite = worker->film_ns = 0;
+        rnd_tracer_reset(worker->tracer);
     }
-    rnd_pool_run(render->pool, place, work);
-    sort(render, work->paths);
-    work->chunks = cut(render);
-    out_batch->place_seconds = seconds() - start;
+    rnd_place(render, work->aim, work->paths, drawn);
+    cut(work);
+    out_batch->place_seconds = 1e-9 * (double)(now_ns() - start);
     rnd_pool_run(render->pool, trace, work);
 
-    out_batch->paths = work->paths;
     for (int i = 0; i < render->workers; i++) {
-        out_batch->rays += render->worker[i].rays;
-        out_batch->not_finite += render->worker[i].not_finite;
+        const struct rnd_worker *worker = &render->worker[i];
+        out_batch->paths += worker->traced;
+        out_batch->rays += worker->rays;
+        out_batch->not_finite += worker->not_finite;
+        out_batch->film_seconds += 1e-9 * (double)worker->film_ns;
+        rnd_tracer_stages(worker->tracer, out_batch);
     }
-    out_batch->seconds = seconds() - start;
+    out_batch->seconds = 1e-9 * (double)(now_ns() - start);
 }
 
 void rnd_render_batch(struct rnd_render *render, const struct rnd_aim *aim, uint64_t now_ns, uint32_t paths,
                       struct rnd_batch *out_batch)
 {
-    struct work work = {.render = render, .aim = aim, .now_ns = now_ns, .paths = paths, .drawn = true};
-    run(&work, out_batch);
-    render->next_place += paths;
+    struct work work = {.render = render, .aim = aim, .now_ns = now_ns, .paths = paths};
+    run(&work, true, out_batch);
 }
 
 void rnd_render_outline(struct rnd_render *render, const struct rnd_aim *aim, uint64_t now_ns,
                         struct rnd_batch *out_batch)
 {
     const uint32_t cells =
-        (uint32_t)(render->film.width / OUTLINE) * (uint32_t)(render->film.height / OUTLINE);
+        (uint32_t)(render->film.width / RND_OUTLINE) * (uint32_t)(render->film.height / RND_OUTLINE);
     struct work work = {.render = render, .aim = aim, .now_ns = now_ns, .paths = cells};
-    run(&work, out_batch);
+    run(&work, false, out_batch);
+}
+
+/* --- the same rays again --- */
+
+static void play(void *context, int index)
+{
+    struct rnd_render *render = context;
+    struct rnd_worker *worker = &render->worker[index];
+    struct timespec start, end;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &start);
+    worker->played = rnd_tape_play(worker->tape, render->scene->tree);
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &end);
+    worker->play_seconds = (double)(end.tv_sec - start.tv_sec) + 1e-9 * (double)(end.tv_nsec - start.tv_nsec);
+}
+
+void rnd_render_retrace(struct rnd_render *render, const struct rnd_aim *aim, uint32_t paths,
+                        struct rnd_batch *out_batch, double *out_seconds)
+{
+    bool whole = true;
+    for (int i = 0; i < render->workers; i++) {
+        render->worker[i].tape = rnd_tape_create();
+        rnd_tracer_tape(render->worker[i].tracer, render->worker[i].tape);
+        whole = whole && render->worker[i].tape;
+    }
+    rnd_render_batch(render, aim, 0, paths, out_batch);
+    if (whole) rnd_pool_run(render->pool, play, render);
+    *out_seconds = 0.0;
+    for (int i = 0; i < render->workers; i++) {
+        whole = whole && render->worker[i].played;
+        *out_seconds += render->worker[i].play_seconds;
+        rnd_tracer_tape(render->worker[i].tracer, NULL);
+        rnd_tape_destroy(render->worker[i].tape);
+    }
+    if (!whole) *out_seconds = -1.0;
 }
 
 /* --- life --- */
@@ -272,18 +255,21 @@ struct rnd_render *rnd_render_create(const struct rnd_scene *scene, const struct
     threads = threads < 1 ? 1 : threads > MAX_THREADS ? MAX_THREADS : threads;
     struct rnd_render *render = calloc(1, sizeof *render);
     if (!render) goto no_memory;
+    pthread_mutex_init(&render->whole, NULL);
     render->scene = scene;
+    memcpy(render->eye, scene->info.eye, sizeof render->eye);
     render->distribution = options->distribution;
     render->seed = rnd_hash2((uint32_t)options->seed, (uint32_t)(options->seed >> 32));
     render->workers = (int)threads;
-    render->worker = calloc((size_t)threads, sizeof *render->worker);
+    render->worker = aligned_alloc(64, (size_t)threads * sizeof *render->worker);
+    if (render->worker) memset(render->worker, 0, (size_t)threads * sizeof *render->worker);
     render->pool = rnd_pool_create((int)threads);
     const size_t tiles = (size_t)(width / RND_TILE) * (size_t)(height / RND_TILE);
     render->start = malloc((tiles + 1) * sizeof *render->start);
-    render->chunk = malloc((tiles + 1) * sizeof *render->chunk);
-    bool ok = render->worker && render->pool && render->start && render->chunk;
+    bool ok = render->worker && render->pool && render->start;
+    const float spread = 2.0f * (float)M_PI / (float)width;
     for (long i = 0; ok && i < threads; i++)
-        ok = (render->worker[i].tracer = rnd_tracer_create(scene, options->max_bounces)) != NULL;
+        ok = (render->worker[i].tracer = rnd_tracer_create(scene, options->max_bounces, spread)) != NULL;
     if (ok &&
         rnd_film_init(&render->film, width, height, options->error_bar > 0.0f ? options->error_bar : 0.05f))
         return render;
@@ -297,16 +283,42 @@ void rnd_render_destroy(struct rnd_render *render)
 {
     if (!render) return;
     rnd_pool_destroy(render->pool);
-    for (int i = 0; render->worker && i < render->workers; i++) {
-        free(render->worker[i].sample);
-        rnd_tracer_destroy(render->worker[i].tracer);
-    }
+    for (int i = 0; render->worker && i < render->workers; i++) rnd_tracer_destroy(render->worker[i].tracer);
     free(render->worker);
-    free(render->place);
+    free(render->cell);
     free(render->pixel);
-    free(render->order);
+    free(render->sample);
+    free(render->run_of);
+    free(render->run);
     free(render->start);
-    free(render->chunk);
     rnd_film_finish(&render->film);
+    pthread_mutex_destroy(&render->whole);
     free(render);
+}
+
+int rnd_render_threads(const struct rnd_render *render)
+{
+    return render->workers;
+}
+
+/* One thread's share of the tiles. */
+static void empty(void *context, int worker)
+{
+    struct rnd_render *render = context;
+    const int tiles = render->film.across * render->film.down;
+    const int first = (int)((int64_t)tiles * worker / render->workers);
+    const int end = (int)((int64_t)tiles * (worker + 1) / render->workers);
+    for (int t = first; t < end; t++) rnd_film_empty(&render->film.tile[t], render->generation);
+}
+
+void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene, const float eye[3])
+{
+    render->scene = scene;
+    memcpy(render->eye, eye, sizeof render->eye);
+    for (int i = 0; i < render->workers; i++) rnd_tracer_scene(render->worker[i].tracer, scene);
+    render->next_cell = 0;
+    render->generation++;
+    pthread_mutex_lock(&render->whole);
+    rnd_pool_run(render->pool, empty, render);
+    pthread_mutex_unlock(&render->whole);
 }

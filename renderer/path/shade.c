@@ -8,6 +8,12 @@
 /* Below this GGX's peak outgrows float; a mirror is a lobe of this width. */
 #define MIN_ALPHA 1e-3f
 
+static vec3s look(const struct rnd_scene *scene, const struct rnd_map *map, float u, float v)
+{
+    const struct rnd_texel t = rnd_texture_bilinear(&scene->texture[map->texture], map->wrap, u, v);
+    return (vec3s){{t.r, t.g, t.b}};
+}
+
 void rnd_surface_at(const struct rnd_scene *scene, const struct rnd_hit *hit, vec3s direction,
                     struct rnd_surface *out)
 {
@@ -36,17 +42,14 @@ void rnd_surface_at(const struct rnd_scene *scene, const struct rnd_hit *hit, ve
                     t = rnd_interpolate(mesh->uv[0], 2, 1, index, u, v);
         if (material->map[RND_MAP_BASE].texture >= 0)
             out->base =
-                glms_vec3_mul(out->base, rnd_texture_rgb(&scene->texture[material->map[RND_MAP_BASE].texture], s, t));
+                glms_vec3_mul(out->base, look(scene, &material->map[RND_MAP_BASE], s, t));
         if (material->map[RND_MAP_METAL_ROUGH].texture >= 0) {
-            const vec3s mr = rnd_texture_rgb(&scene->texture[material->map[RND_MAP_METAL_ROUGH].texture], s, t);
+            const vec3s mr = look(scene, &material->map[RND_MAP_METAL_ROUGH], s, t);
             roughness *= mr.y;
             out->metallic *= mr.z;
         }
     }
     out->alpha = fmaxf(roughness * roughness, MIN_ALPHA);
-    out->emission = glms_vec3_zero();
-    if (mesh->first_light != UINT32_MAX && (out->front || material->double_sided))
-        out->emission = rnd_emission(scene, material, mesh, index, u, v);
 }
 
 /* One float next to another, step representable numbers away. */

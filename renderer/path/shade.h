@@ -12,7 +12,6 @@ struct rnd_surface {
     bool front;               /* hit from the outside: the side of the triangle's own normal */
     vec3s base;
     float metallic, alpha; /* GGX alpha: roughness squared */
-    vec3s emission;        /* towards where the ray came from */
 };
 
 /* What a ray hit. */
@@ -45,13 +44,5 @@ bool rnd_bsdf_draw(const struct rnd_surface *surface, vec3s wo, const float u[3]
 /* The position moved off the surface towards the side that direction points to, so that a ray from it does
  * not hit the triangle that it left (Waechter and Binder 2019, Ray Tracing Gems ch. 6). */
 vec3s rnd_leave(const struct rnd_surface *surface, vec3s direction);
-
-/* Weight of a direction drawn with density pdf that another way would draw with density other (Veach 1997,
- * power heuristic with exponent 2). */
-static inline float rnd_power_heuristic(float pdf, float other)
-{
-    const float r = other / pdf;
-    return 1.0f / (1.0f + r * r);
-}
 
 #endif

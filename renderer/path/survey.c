@@ -32,14 +32,17 @@ static float ask(const struct rnd_scene *scene, int group, const struct rnd_surf
 {
     struct rnd_light_sample light;
     float pdf;
-    if (!rnd_light_draw_from(scene, group, surface->position, u, &light)) return 0.0f;
-    const vec3s f = glms_vec3_mul(rnd_bsdf(surface, wo, light.direction, &pdf), light.radiance);
+    const vec3s p = surface->position;
+    if (!rnd_light_draw(scene, group, rnd_v3(p.x, p.y, p.z), u, &light)) return 0.0f;
+    const vec3s to = {{light.direction.x, light.direction.y, light.direction.z}},
+                radiance = {{light.radiance.x, light.radiance.y, light.radiance.z}};
+    const vec3s f = glms_vec3_mul(rnd_bsdf(surface, wo, to, &pdf), radiance);
     const float given =
         rnd_luminance(f.raw) / light.pdf * (light.delta ? 1.0f : rnd_power_heuristic(light.pdf, pdf));
     if (!(given > 0.0f)) return 0.0f;
     struct RTCIntersectContext context;
     struct RTCRay shadow =
-        ray(rnd_leave(surface, light.direction), light.direction, light.distance * (1.0f - 1e-4f));
+        ray(rnd_leave(surface, to), to, light.distance * (1.0f - 1e-4f));
     rtcInitIntersectContext(&context);
     rtcOccluded1(scene->tree, &context, &shadow);
     return shadow.tfar < 0.0f ? 0.0f : given;

@@ -1,37 +1,56 @@
-/* The path integrator, a wave at a time: all rays, then all surfaces, then all shadow rays, and again. */
+/* The path integrator: a wave of paths, stage after stage, until none is left. */
 #include "path/trace.h"
-#include "path/shade.h"
-#include "sampler.h"
+#include "path/wave.h"
 
 #include <stdlib.h>
+#include <string.h>
+#include <time.h>
 
-/* Bounces before Russian roulette begins: shorter paths carry most of the light. */
-enum { SURE_BOUNCES = 3 };
-
-/* Dimensions that a vertex of a path uses, from RND_DIMENSION_PATH on. */
-enum { DIM_DIRECTION, DIM_LOBE, DIM_LIGHT, DIM_LIGHT_PLACE, DIM_COUNT };
-
-/* A light that was chosen for a path, and what it brings if nothing is in between. */
-struct shadow {
-    uint32_t path;
-    vec3s radiance;
+/* The stages, once for every instruction set. */
+struct stages {
+    uint32_t (*surface)(struct rnd_tracer *, uint32_t);
+    void (*emission)(struct rnd_tracer *, uint32_t);
+    void (*choose_lights)(struct rnd_tracer *, uint32_t);
+    uint32_t (*scatter)(struct rnd_tracer *, uint32_t);
 };
 
-struct rnd_tracer {
-    const struct rnd_scene *scene;
-    int max_bounces;
-    uint32_t alive[RND_WAVE];     /* indices of the paths that go on */
-    struct rnd_hit hit[RND_WAVE]; /* of alive paths, in their order */
-    struct shadow shadow[RND_WAVE];
-    struct RTCRay ray[RND_WAVE]; /* of the shadows, in their order */
-};
+#define STAGES(isa)                                                                                          \
+    uint32_t RND_JOIN(rnd_surface, isa)(struct rnd_tracer *, uint32_t);                                      \
+    void RND_JOIN(rnd_emission, isa)(struct rnd_tracer *, uint32_t);                                         \
+    void RND_JOIN(rnd_choose_lights, isa)(struct rnd_tracer *, uint32_t);                                    \
+    uint32_t RND_JOIN(rnd_scatter, isa)(struct rnd_tracer *, uint32_t);                                      \
+    static const struct stages RND_JOIN(stages, isa) = {                                                     \
+        RND_JOIN(rnd_surface, isa), RND_JOIN(rnd_emission, isa), RND_JOIN(rnd_choose_lights, isa),           \
+        RND_JOIN(rnd_scatter, isa)};
+STAGES(plain)
+#ifdef RND_X86
+STAGES(v3)
+STAGES(v4)
+#endif
 
-struct rnd_tracer *rnd_tracer_create(const struct rnd_scene *scene, int max_bounces)
+static const struct stages *best_stages(void)
+{
+#ifdef RND_X86
+    __builtin_cpu_init();
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+        __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
+        return &stages_v4;
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2"))
+        return &stages_v3;
+#endif
+    return &stages_plain;
+}
+
+struct rnd_tracer *rnd_tracer_create(const struct rnd_scene *scene, int max_bounces, float spread)
 {
     struct rnd_tracer *tracer = aligned_alloc(64, (sizeof *tracer + 63) & ~(size_t)63);
     if (!tracer) return NULL;
+    memset(tracer, 0, sizeof *tracer);
     tracer->scene = scene;
     tracer->max_bounces = max_bounces;
+    tracer->spread = spread;
+    tracer->stages = best_stages();
+    rnd_rays_init(tracer);
     return tracer;
 }
 
@@ -40,192 +59,81 @@ void rnd_tracer_destroy(struct rnd_tracer *tracer)
     free(tracer);
 }
 
-/* --- rays --- */
-
-/* Find what alive paths hit, WIDTH rays at a time; Embree has a type and a function for every width. */
-#define INTERSECT(name, WIDTH, coherence)                                                                    \
-    static void name(struct rnd_tracer *tracer, const struct rnd_path *paths, uint32_t count)                \
-    {                                                                                                        \
-        struct RTCIntersectContext context;                                                                  \
-        _Alignas(64) struct RTCRayHit##WIDTH packet;                                                         \
-        _Alignas(64) int valid[WIDTH];                                                                       \
-        rtcInitIntersectContext(&context);                                                                   \
-        context.flags = coherence;                                                                           \
-        for (uint32_t first = 0; first < count; first += WIDTH) {                                            \
-            const uint32_t n = count - first < WIDTH ? count - first : WIDTH;                                \
-            for (uint32_t i = 0; i < WIDTH; i++) {                                                           \
-                const struct rnd_path *path = &paths[tracer->alive[first + (i < n ? i : 0)]];                \
-                valid[i] = i < n ? -1 : 0;                                                                   \
-                packet.ray.org_x[i] = path->origin.x, packet.ray.dir_x[i] = path->direction.x;               \
-                packet.ray.org_y[i] = path->origin.y, packet.ray.dir_y[i] = path->direction.y;               \
-                packet.ray.org_z[i] = path->origin.z, packet.ray.dir_z[i] = path->direction.z;               \
-                packet.ray.tnear[i] = packet.ray.time[i] = 0.0f;                                             \
-                packet.ray.tfar[i] = INFINITY;                                                               \
-                packet.ray.mask[i] = UINT32_MAX;                                                             \
-                packet.ray.id[i] = packet.ray.flags[i] = 0;                                                  \
-                packet.hit.geomID[i] = packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;                    \
-            }                                                                                                \
-            rtcIntersect##WIDTH(valid, tracer->scene->tree, &context, &packet);                              \
-            for (uint32_t i = 0; i < n; i++)                                                                 \
-                tracer->hit[first + i] = (struct rnd_hit){                                                   \
-                    .mesh = packet.hit.geomID[i],                                                            \
-                    .triangle = packet.hit.primID[i],                                                        \
-                    .u = packet.hit.u[i],                                                                    \
-                    .v = packet.hit.v[i],                                                                    \
-                    .distance = packet.ray.tfar[i],                                                          \
-                    .normal = {{packet.hit.Ng_x[i], packet.hit.Ng_y[i], packet.hit.Ng_z[i]}}};               \
-        }                                                                                                    \
-    }
-
-/* First rays of neighbouring pixels keep together; rays that have been scattered share nothing but the tree,
- * and go eight at a time only to keep its memory busy. */
-INTERSECT(intersect_coherent, 16, RTC_INTERSECT_CONTEXT_FLAG_COHERENT)
-INTERSECT(intersect_scattered, 8, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT)
-
-/* Shadow rays end at the first thing in the way, and go as one stream. */
-static void occlude(struct rnd_tracer *tracer, struct rnd_path *paths, uint32_t count)
+void rnd_tracer_scene(struct rnd_tracer *tracer, const struct rnd_scene *scene)
 {
-    struct RTCIntersectContext context;
-    if (count == 0) return;
-    rtcInitIntersectContext(&context);
-    rtcOccluded1M(tracer->scene->tree, &context, tracer->ray, count, sizeof *tracer->ray);
+    tracer->scene = scene;
+}
+
+void rnd_tracer_tape(struct rnd_tracer *tracer, struct rnd_tape *tape)
+{
+    tracer->tape = tape;
+}
+
+void rnd_tracer_reset(struct rnd_tracer *tracer)
+{
+    memset(tracer->stage_ns, 0, sizeof tracer->stage_ns);
+}
+
+void rnd_tracer_stages(const struct rnd_tracer *tracer, struct rnd_batch *batch)
+{
+    batch->rays_seconds += 1e-9 * (double)tracer->stage_ns[RND_STAGE_RAYS];
+    batch->surface_seconds += 1e-9 * (double)tracer->stage_ns[RND_STAGE_SURFACE];
+    batch->light_seconds += 1e-9 * (double)tracer->stage_ns[RND_STAGE_LIGHT];
+    batch->scatter_seconds += 1e-9 * (double)tracer->stage_ns[RND_STAGE_SCATTER];
+}
+
+static uint64_t now_ns(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (uint64_t)t.tv_sec * 1000000000 + (uint64_t)t.tv_nsec;
+}
+
+/* Book the time since the last call to a stage. */
+static void book(struct rnd_tracer *tracer, enum rnd_stage stage, uint64_t *last_ns)
+{
+    const uint64_t now = now_ns();
+    tracer->stage_ns[stage] += now - *last_ns;
+    *last_ns = now;
+}
+
+static void start(struct rnd_tracer *tracer, const float eye[3], uint32_t count)
+{
+    struct rnd_paths *paths = &tracer->paths[0];
+    struct rnd_wave_io *io = tracer->io;
     for (uint32_t i = 0; i < count; i++) {
-        struct rnd_path *path = &paths[tracer->shadow[i].path];
-        if (tracer->ray[i].tfar >= 0.0f)
-            path->radiance = glms_vec3_add(path->radiance, tracer->shadow[i].radiance);
+        rnd_put(&paths->origin, i, rnd_v3(eye[0], eye[1], eye[2]));
+        rnd_put(&paths->direction, i, rnd_v3(io->direction[0][i], io->direction[1][i], io->direction[2][i]));
+        rnd_put(&paths->throughput, i, rnd_v3(1, 1, 1));
+        paths->pdf[i] = paths->width[i] = 0.0f;
+        paths->spread[i] = tracer->spread;
+        paths->seed[i] = io->seed[i];
+        paths->index[i] = io->index[i];
+        paths->id[i] = i;
+        for (int c = 0; c < 3; c++) io->radiance[c][i] = 0.0f;
     }
 }
 
-/* --- light --- */
-
-static void add(struct rnd_path *path, vec3s radiance, float weight)
+uint64_t rnd_trace(struct rnd_tracer *tracer, const float eye[3], struct rnd_wave_io *io, uint32_t count)
 {
-    path->radiance = glms_vec3_muladds(glms_vec3_mul(path->throughput, radiance), weight, path->radiance);
-}
-
-/* The path left the scene: environment and sun. */
-static void add_sky(const struct rnd_lights *lights, struct rnd_path *path)
-{
-    if (lights->env) {
-        const float other = lights->choose[RND_LIGHT_ENV] * rnd_env_pdf(lights->env, path->direction);
-        add(path, rnd_env_radiance(lights->env, path->direction),
-            path->delta ? 1.0f : rnd_power_heuristic(path->pdf, other));
+    const struct stages *stages = tracer->stages;
+    const uint64_t rays = tracer->rays;
+    uint64_t last_ns = now_ns();
+    tracer->io = io;
+    start(tracer, eye, count);
+    for (tracer->depth = 0; count > 0; tracer->depth++) {
+        rnd_intersect(tracer, &tracer->paths[0], count, tracer->depth == 0);
+        book(tracer, RND_STAGE_RAYS, &last_ns);
+        count = stages->surface(tracer, count);
+        stages->emission(tracer, count);
+        book(tracer, RND_STAGE_SURFACE, &last_ns);
+        if (tracer->max_bounces > 0 && tracer->depth >= tracer->max_bounces) break;
+        stages->choose_lights(tracer, count);
+        book(tracer, RND_STAGE_LIGHT, &last_ns);
+        count = stages->scatter(tracer, count);
+        book(tracer, RND_STAGE_SCATTER, &last_ns);
+        rnd_occlude(tracer);
+        book(tracer, RND_STAGE_RAYS, &last_ns);
     }
-    const struct rnd_sun *sun = lights->sun;
-    if (sun && sun->cos_radius < 1.0f && glms_vec3_dot(path->direction, sun->direction) >= sun->cos_radius) {
-        const float other = lights->choose[RND_LIGHT_SUN] * rnd_sun_pdf(sun);
-        add(path, sun->radiance, path->delta ? 1.0f : rnd_power_heuristic(path->pdf, other));
-    }
-}
-
-/* The surface that the path hit shines itself. */
-static void add_emission(const struct rnd_scene *scene, struct rnd_path *path,
-                         const struct rnd_surface *surface, const struct rnd_hit *hit)
-{
-    if (!(rnd_luminance(surface->emission.raw) > 0.0f)) return;
-    float weight = 1.0f;
-    if (!path->delta)
-        weight = rnd_power_heuristic(
-            path->pdf, rnd_area_pdf(scene, hit->mesh, hit->triangle, path->direction, hit->distance));
-    add(path, surface->emission, weight);
-}
-
-/* Next-event estimation: one light, whose shadow ray is put down for later. True if there is one. */
-static bool choose_light(const struct rnd_scene *scene, const struct rnd_path *path,
-                         const struct rnd_surface *surface, uint32_t dimension, struct shadow *out_shadow,
-                         struct RTCRay *out_ray)
-{
-    struct rnd_light_sample light;
-    float u[4], pdf;
-    rnd_pair(path->seed, dimension + DIM_LIGHT, path->index, u);
-    rnd_pair(path->seed, dimension + DIM_LIGHT_PLACE, path->index, u + 2);
-    if (!rnd_light_draw(scene, surface->position, u, &light)) return false;
-    const vec3s f = rnd_bsdf(surface, glms_vec3_negate(path->direction), light.direction, &pdf);
-    if (!(rnd_luminance(f.raw) > 0.0f)) return false;
-
-    const float weight = (light.delta ? 1.0f : rnd_power_heuristic(light.pdf, pdf)) / light.pdf;
-    out_shadow->radiance =
-        glms_vec3_scale(glms_vec3_mul(path->throughput, glms_vec3_mul(f, light.radiance)), weight);
-    const vec3s origin = rnd_leave(surface, light.direction);
-    *out_ray = (struct RTCRay){.org_x = origin.x,
-                               .org_y = origin.y,
-                               .org_z = origin.z,
-                               .dir_x = light.direction.x,
-                               .dir_y = light.direction.y,
-                               .dir_z = light.direction.z,
-                               .tfar = light.distance * (1.0f - 1e-4f),
-                               .mask = UINT32_MAX};
-    return true;
-}
-
-/* Choose where the path goes on; false where it ends. */
-static bool bounce(struct rnd_path *path, const struct rnd_surface *surface, int depth, uint32_t dimension)
-{
-    struct rnd_bsdf_sample sample;
-    float u[4];
-    rnd_pair(path->seed, dimension + DIM_DIRECTION, path->index, u);
-    rnd_pair(path->seed, dimension + DIM_LOBE, path->index, u + 2);
-    if (!rnd_bsdf_draw(surface, glms_vec3_negate(path->direction), u, &sample)) return false;
-    path->throughput = glms_vec3_mul(path->throughput, sample.weight);
-    if (depth >= SURE_BOUNCES) {
-        const float go_on = fminf(glms_vec3_max(path->throughput), 0.95f);
-        if (!(u[3] < go_on)) return false;
-        path->throughput = glms_vec3_scale(path->throughput, 1.0f / go_on);
-    }
-    path->origin = rnd_leave(surface, sample.wi);
-    path->direction = sample.wi;
-    path->pdf = sample.pdf;
-    path->delta = sample.delta;
-    return glms_vec3_max(path->throughput) > 0.0f;
-}
-
-/* --- waves --- */
-
-/* All surfaces of a step. Leaves in alive the paths that go on and returns their number. */
-static uint32_t shade(struct rnd_tracer *tracer, struct rnd_path *paths, uint32_t count, int depth,
-                      uint32_t *out_shadows)
-{
-    const struct rnd_scene *scene = tracer->scene;
-    const uint32_t dimension = RND_DIMENSION_PATH + DIM_COUNT * (uint32_t)depth;
-    const bool last = tracer->max_bounces > 0 && depth >= tracer->max_bounces;
-    uint32_t alive = 0, shadows = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        const uint32_t p = tracer->alive[i];
-        const struct rnd_hit *hit = &tracer->hit[i];
-        struct rnd_path *path = &paths[p];
-        if (hit->mesh == RTC_INVALID_GEOMETRY_ID) {
-            add_sky(&scene->lights, path);
-            continue;
-        }
-        struct rnd_surface surface;
-        rnd_surface_at(scene, hit, path->direction, &surface);
-        add_emission(scene, path, &surface, hit);
-        if (last) continue;
-        if (surface.material->kind != RND_RICH &&
-            choose_light(scene, path, &surface, dimension, &tracer->shadow[shadows], &tracer->ray[shadows]))
-            tracer->shadow[shadows++].path = p;
-        if (bounce(path, &surface, depth, dimension)) tracer->alive[alive++] = p;
-    }
-    *out_shadows = shadows;
-    return alive;
-}
-
-uint64_t rnd_trace(struct rnd_tracer *tracer, struct rnd_path *paths, uint32_t count)
-{
-    uint64_t rays = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        paths[i].radiance = glms_vec3_zero();
-        paths[i].throughput = glms_vec3_one();
-        paths[i].delta = true;
-        tracer->alive[i] = i;
-    }
-    for (int depth = 0; count > 0; depth++) {
-        uint32_t shadows;
-        rays += count;
-        (depth == 0 ? intersect_coherent : intersect_scattered)(tracer, paths, count);
-        count = shade(tracer, paths, count, depth, &shadows);
-        rays += shadows;
-        occlude(tracer, paths, shadows);
-    }
-    return rays;
+    return tracer->rays - rays;
 }

@@ -1,5 +1,5 @@
 /* Walker's alias method, built as Vose 1991 does: draw from any discrete distribution in constant time. */
-#include "scene/scene.h"
+#include "scene/light.h"
 
 #include <stdlib.h>
 
@@ -7,11 +7,10 @@ bool rnd_alias_init(struct rnd_alias *alias, const float *weight, uint32_t count
 {
     *alias = (struct rnd_alias){.count = count};
     alias->probability = malloc(count * sizeof *alias->probability);
-    alias->keep = malloc(count * sizeof *alias->keep);
-    alias->other = malloc(count * sizeof *alias->other);
+    alias->entry = malloc(count * sizeof *alias->entry);
     double *scaled = malloc(count * sizeof *scaled);
     uint32_t *stack = malloc(count * sizeof *stack); /* small ones from the front, large ones from the back */
-    bool ok = alias->probability && alias->keep && alias->other && scaled && stack;
+    bool ok = alias->probability && alias->entry && scaled && stack;
     if (!ok) goto end;
 
     for (uint32_t i = 0; i < count; i++) alias->sum += weight[i];
@@ -19,8 +18,7 @@ bool rnd_alias_init(struct rnd_alias *alias, const float *weight, uint32_t count
     for (uint32_t i = 0; i < count; i++) {
         alias->probability[i] = (float)(weight[i] / alias->sum);
         scaled[i] = weight[i] / alias->sum * count;
-        alias->keep[i] = 1.0f;
-        alias->other[i] = i;
+        alias->entry[i] = (struct rnd_alias_entry){1.0f, i};
         if (scaled[i] < 1.0)
             stack[small++] = i;
         else
@@ -28,8 +26,7 @@ bool rnd_alias_init(struct rnd_alias *alias, const float *weight, uint32_t count
     }
     while (small > 0 && large < count) {
         const uint32_t s = stack[--small], l = stack[large];
-        alias->keep[s] = (float)scaled[s];
-        alias->other[s] = l;
+        alias->entry[s] = (struct rnd_alias_entry){(float)scaled[s], l};
         scaled[l] -= 1.0 - scaled[s];
         if (scaled[l] < 1.0) {
             large++;
@@ -42,8 +39,7 @@ bool rnd_alias_init(struct rnd_alias *alias, const float *weight, uint32_t count
         if (weight[s] > 0.0f) continue;
         uint32_t any = 0;
         while (!(weight[any] > 0.0f)) any++;
-        alias->keep[s] = 0.0f;
-        alias->other[s] = any;
+        alias->entry[s] = (struct rnd_alias_entry){0.0f, any};
     }
 end:
     free(scaled);
@@ -55,16 +51,6 @@ end:
 void rnd_alias_finish(struct rnd_alias *alias)
 {
     free(alias->probability);
-    free(alias->keep);
-    free(alias->other);
+    free(alias->entry);
     *alias = (struct rnd_alias){0};
-}
-
-uint32_t rnd_alias_draw(const struct rnd_alias *alias, float u, float v)
-{
-    /* The 24 bits of one float do not reach every column of a large table: v is the bits below them. */
-    const double place = ((double)u + (double)v * 0x1p-24) * alias->count;
-    uint32_t i = (uint32_t)place;
-    if (i >= alias->count) i = alias->count - 1;
-    return place - i < alias->keep[i] ? i : alias->other[i];
 }

@@ -207,6 +207,7 @@ static bool read_materials(struct import *in)
     if (!rnd_import_gltf_extras(scene, in->path, material_name, in, in->error)) return false;
     for (uint32_t i = 0; i < scene->material_count; i++) {
         struct rnd_material *m = &scene->material[i];
+        m->f0 = powf((m->ior - 1.0f) / (m->ior + 1.0f), 2.0f) * m->specular;
         const bool lambert =
             m->specular == 0.0f && m->metallic == 0.0f && m->map[RND_MAP_METAL_ROUGH].texture < 0;
         if (m->kind == RND_METAL_ROUGH && lambert) m->kind = RND_DIFFUSE;
@@ -225,6 +226,11 @@ static vec3s transform(const struct aiMatrix4x4 *m, const struct aiVector3D *p, 
     return (vec3s){{m->a1 * p->x + m->a2 * p->y + m->a3 * p->z + m->a4 * w,
                     m->b1 * p->x + m->b2 * p->y + m->b3 * p->z + m->b4 * w,
                     m->c1 * p->x + m->c2 * p->y + m->c3 * p->z + m->c4 * w}};
+}
+
+static struct rnd_v3 v3_of(vec3s v)
+{
+    return rnd_v3(v.x, v.y, v.z);
 }
 
 static bool read_vertices(struct import *in, const struct aiMesh *from, const struct aiMatrix4x4 *world,
@@ -334,12 +340,12 @@ static bool read_node(struct import *in, const struct aiNode *node, const struct
         *to = (struct rnd_punctual){.kind = sun    ? RND_DIRECTIONAL
                                             : spot ? RND_SPOT
                                                    : RND_POINT,
-                                    .position = transform(&world, &light->mPosition, 1.0f),
-                                    .direction =
-                                        glms_vec3_normalize(transform(&world, &light->mDirection, 0.0f)),
+                                    .position = v3_of(transform(&world, &light->mPosition, 1.0f)),
+                                    .direction = v3_of(
+                                        glms_vec3_normalize(transform(&world, &light->mDirection, 0.0f))),
                                     .cos_inner = cosf(light->mAngleInnerCone),
                                     .cos_outer = cosf(light->mAngleOuterCone)};
-        to->intensity = (vec3s){{light->mColorDiffuse.r, light->mColorDiffuse.g, light->mColorDiffuse.b}};
+        to->intensity = rnd_v3(light->mColorDiffuse.r, light->mColorDiffuse.g, light->mColorDiffuse.b);
         in->scene->lights.punctual_count++;
     }
     for (unsigned i = 0; i < node->mNumChildren; i++)

@@ -4,7 +4,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <pthread.h>
 #include <time.h>
+#include <unistd.h>
 
 void rnd_direction(float azimuth, float elevation, float out_direction[3])
 {
@@ -21,6 +23,38 @@ static double seconds(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
+/* What can be done at the same time: reading textures is one thread's, all that needs triangles alone
+ * another's. */
+struct building {
+    struct rnd_scene *scene;
+    bool ok;
+    char error[RND_ERROR_SIZE];
+};
+
+static void *build_geometry(void *argument)
+{
+    struct building *b = argument;
+    b->ok = rnd_accel_build(b->scene, b->error);
+    if (!b->ok || rnd_records_build(b->scene)) return NULL;
+    b->ok = false;
+    snprintf(b->error, sizeof b->error, "not enough memory for %llu triangles",
+             (unsigned long long)b->scene->info.triangles);
+    return NULL;
+}
+
+static bool build(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE])
+{
+    struct building geometry = {.scene = scene};
+    pthread_t thread;
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    const bool apart = pthread_create(&thread, NULL, build_geometry, &geometry) == 0;
+    if (!apart) build_geometry(&geometry);
+    const bool textures = rnd_textures_load(scene, processors > 0 ? (int)processors : 1, out_error);
+    if (apart) pthread_join(thread, NULL);
+    if (textures && !geometry.ok) memcpy(out_error, geometry.error, RND_ERROR_SIZE);
+    return textures && geometry.ok && rnd_lights_build(scene, path, out_error);
+}
+
 struct rnd_scene *rnd_scene_load(const struct rnd_scene_options *options, char out_error[RND_ERROR_SIZE])
 {
     const double start = seconds();
@@ -30,7 +64,8 @@ struct rnd_scene *rnd_scene_load(const struct rnd_scene_options *options, char o
         return NULL;
     }
     if (!rnd_import(scene, options->path, out_error)) goto fail;
-    if (options->env_path && !rnd_env_load(scene, options->env_path, out_error)) goto fail;
+    if (options->env_path && !rnd_env_load(scene, options->env_path, options->env_azimuth, out_error))
+        goto fail;
     if (options->has_sun) {
         if (!(scene->lights.sun = calloc(1, sizeof *scene->lights.sun))) {
             snprintf(out_error, RND_ERROR_SIZE, "%.200s: not enough memory", options->path);
@@ -40,7 +75,7 @@ struct rnd_scene *rnd_scene_load(const struct rnd_scene_options *options, char o
     }
     if (options->has_eye) memcpy(scene->info.eye, options->eye, sizeof options->eye);
     const double read = seconds();
-    if (!rnd_lights_build(scene, options->path, out_error) || !rnd_accel_build(scene, out_error)) goto fail;
+    if (!build(scene, options->path, out_error)) goto fail;
     rnd_survey_lights(scene);
 
     scene->info.meshes = scene->mesh_count;
@@ -74,11 +109,9 @@ void rnd_scene_destroy(struct rnd_scene *scene)
     }
     free(scene->mesh);
     free(scene->material);
-    for (uint32_t i = 0; i < scene->texture_count; i++) {
-        free(scene->texture[i].path);
-        rnd_pixels_finish(&scene->texture[i].pixels);
-    }
+    for (uint32_t i = 0; i < scene->texture_count; i++) rnd_texture_finish(&scene->texture[i]);
     free(scene->texture);
+    free(scene->record);
     free(scene);
 }
 

@@ -5,20 +5,12 @@
 
 #include "renderer.h"
 #include "scene/image_io.h"
+#include "scene/light.h"
+#include "scene/record.h"
+#include "scene/texture.h"
 #include "sphere.h"
 
 #include <embree3/rtcore.h>
-
-/* --- textures --- */
-
-struct rnd_texture {
-    char *path;
-    bool srgb; /* bytes are sRGB, else linear data; floats are always linear */
-    struct rnd_pixels pixels;
-};
-
-/* Bilinear, repeating; uv with row 0 at v = 0. Missing channels repeat the first. */
-vec3s rnd_texture_rgb(const struct rnd_texture *texture, float u, float v);
 
 /* --- materials --- */
 
@@ -50,6 +42,7 @@ enum rnd_map_use {
 struct rnd_map {
     int texture; /* index, or -1: none, its factor stands alone */
     uint8_t uv_set;
+    uint8_t wrap[2]; /* RND_REPEAT, RND_MIRROR or RND_CLAMP, along u and v */
     bool has_transform;
     float transform[6];
 };
@@ -63,6 +56,7 @@ struct rnd_material {
         alpha_cutoff; /* coverage: factor of the base texture's alpha; below cutoff nothing is there */
     float metallic, roughness;
     float ior;
+    float f0;       /* reflectance of the non-metal ahead: ((ior - 1) / (ior + 1))^2 specular */
     float specular; /* KHR_materials_specular: scales the reflectance of the non-metal */
     vec3s specular_colour;
     float transmission;
@@ -87,71 +81,9 @@ struct rnd_mesh {
     float *uv[2];    /* 2 a vertex, or NULL: TEXCOORD_0 and _1 */
     float *colour;   /* linear RGBA, 4 a vertex, or NULL: COLOR_0, which multiplies base and alpha */
     uint32_t (*index)[3];
+    uint64_t first_record; /* of its triangles among the scene's records */
     uint32_t material;
     uint32_t first_light; /* of its triangles among the scene's area lights, or UINT32_MAX */
-};
-
-/* --- lights --- */
-
-/* Walker's alias table: draws i with probability weight[i] / sum in constant time. */
-struct rnd_alias {
-    uint32_t count;
-    double sum;
-    float *probability; /* of drawing i */
-    float *keep;
-    uint32_t *other;
-};
-/* weights are not negative and not all zero. */
-bool rnd_alias_init(struct rnd_alias *alias, const float *weight, uint32_t count);
-void rnd_alias_finish(struct rnd_alias *alias);
-/* From u in [0,1), whose bits below 2^-24 are v in [0,1). */
-uint32_t rnd_alias_draw(const struct rnd_alias *alias, float u, float v);
-
-struct rnd_punctual {
-    vec3s position;  /* m; spot and point */
-    vec3s direction; /* where it shines; spot and directional */
-    vec3s intensity; /* W/sr; directional: irradiance W/m^2 */
-    enum { RND_POINT, RND_SPOT, RND_DIRECTIONAL } kind;
-    float cos_inner, cos_outer; /* spot */
-};
-
-struct rnd_env {
-    struct rnd_pixels pixels; /* floats */
-    struct rnd_alias alias;   /* over its pixels, by luminance and solid angle */
-};
-
-struct rnd_sun {
-    vec3s direction;  /* towards it */
-    vec3s radiance;   /* within its disc; irradiance when it is a point */
-    float cos_radius; /* 1: a point */
-};
-
-/* Groups that a shading point chooses between before it chooses a light. */
-enum { RND_LIGHT_AREA, RND_LIGHT_ENV, RND_LIGHT_SUN, RND_LIGHT_PUNCTUAL, RND_LIGHT_GROUPS };
-
-struct rnd_triangle_ref {
-    uint32_t mesh, triangle;
-};
-
-struct rnd_lights {
-    float choose[RND_LIGHT_GROUPS]; /* probability of each group */
-    uint32_t area_count;
-    struct rnd_triangle_ref *area;
-    struct rnd_alias area_alias; /* by power */
-    struct rnd_env *env;
-    struct rnd_sun *sun;
-    uint32_t punctual_count;
-    struct rnd_punctual *punctual;
-    struct rnd_alias punctual_alias;
-};
-
-/* A light seen from a point: where to look for it, what comes from there, with which density it was drawn. */
-struct rnd_light_sample {
-    vec3s direction; /* unit, towards the light */
-    float distance;  /* INFINITY for env and sun */
-    vec3s radiance;  /* for lights without extent, the irradiance facing it */
-    float pdf;  /* per steradian, choice of group included; for lights without extent, of the choice alone */
-    bool delta; /* no extent: cannot be hit by chance */
 };
 
 /* --- scene --- */
@@ -163,6 +95,7 @@ struct rnd_scene {
     struct rnd_mesh *mesh;
     struct rnd_material *material;
     struct rnd_texture *texture;
+    struct rnd_record *record; /* of all triangles, mesh by mesh */
     struct rnd_lights lights;
     RTCDevice device;
     RTCScene tree;
@@ -185,33 +118,15 @@ bool rnd_import_gltf_extras(struct rnd_scene *scene, const char *path,
 /* Add a name to the list of what is asked for and not done, once. */
 void rnd_scene_unsupported(struct rnd_scene *scene, const char *name);
 
-/* texture.c: index of the texture of this path (or of bytes in memory, named by path), read once. -1 and a
- * line in out_error on failure. */
+/* texture.c: index of the texture of this path (or of bytes in memory, named by path), which is read later and once.
+ * -1 and a line in out_error if memory is short. */
 int rnd_texture_add(struct rnd_scene *scene, const char *path, const void *memory, size_t count, bool srgb,
                     char out_error[RND_ERROR_SIZE]);
+/* Read all that were added, by so many threads. False and a line in out_error on failure. */
+bool rnd_textures_load(struct rnd_scene *scene, int threads, char out_error[RND_ERROR_SIZE]);
 
-/* light.c */
-bool rnd_env_load(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE]);
-void rnd_sun_init(struct rnd_sun *sun, const float options[4]);
-/* After the geometry: find what emits and make the tables; choose is 1 for every group that gives light. */
-bool rnd_lights_build(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE]);
-void rnd_lights_finish(struct rnd_lights *lights);
-/* Radiance of environment and sun from a direction, and the density with which rnd_light_draw would have
- * drawn it. */
-vec3s rnd_env_radiance(const struct rnd_env *env, vec3s direction);
-float rnd_env_pdf(const struct rnd_env *env, vec3s direction);
-float rnd_sun_pdf(const struct rnd_sun *sun); /* within its disc */
-/* Draw a light for the point from four numbers in [0,1): of a group, or of one chosen by lights.choose. False
- * if what was drawn does not reach it. */
-bool rnd_light_draw(const struct rnd_scene *scene, vec3s point, const float u[4],
-                    struct rnd_light_sample *out);
-bool rnd_light_draw_from(const struct rnd_scene *scene, int group, vec3s point, const float u[4],
-                         struct rnd_light_sample *out);
 /* path/survey.c: look around from the eye and set lights.choose by what really arrives of each group. */
 void rnd_survey_lights(struct rnd_scene *scene);
-/* Density per steradian of drawing the point that a ray hit on an emissive triangle. */
-float rnd_area_pdf(const struct rnd_scene *scene, uint32_t mesh, uint32_t triangle, vec3s direction,
-                   float distance);
 
 /* accel.c */
 bool rnd_accel_build(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE]);
@@ -229,8 +144,16 @@ static inline float rnd_interpolate(const float *attribute, int n, int c, const 
            v * attribute[(size_t)n * index[2] + c];
 }
 
-/* Emitted radiance of a material at texture coordinates. */
-vec3s rnd_emission(const struct rnd_scene *scene, const struct rnd_material *material,
-                   const struct rnd_mesh *mesh, const uint32_t index[3], float u, float v);
+/* Where a map looks for barycentric (u, v) of a triangle. */
+static inline void rnd_map_uv(const struct rnd_map *map, const struct rnd_mesh *mesh, const uint32_t index[3], float u,
+                              float v, float out[2])
+{
+    const float *uv = mesh->uv[map->uv_set];
+    const float s = uv ? rnd_interpolate(uv, 2, 0, index, u, v) : 0.0f,
+                t = uv ? rnd_interpolate(uv, 2, 1, index, u, v) : 0.0f;
+    const float *m = map->transform;
+    out[0] = map->has_transform ? m[0] * s + m[1] * t + m[2] : s;
+    out[1] = map->has_transform ? m[3] * s + m[4] * t + m[5] : t;
+}
 
 #endif

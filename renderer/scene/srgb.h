@@ -13,7 +13,12 @@ static inline float rnd_srgb_encode(float linear)
     return linear <= 0.0031308f ? 12.92f * linear : 1.055f * powf(linear, 1.0f / 2.4f) - 0.055f;
 }
 
-/* An sRGB byte to linear light, 0..1: from a table. */
-float rnd_srgb_decode(uint8_t byte);
+/* An sRGB byte to linear light, 0..1: a table, since textures are decoded at every hit. */
+extern float rnd_srgb_table[256];
+
+static inline float rnd_srgb_decode(uint8_t byte)
+{
+    return rnd_srgb_table[byte];
+}
 
 #endif

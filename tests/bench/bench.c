@@ -1,8 +1,10 @@
 /* fovea-bench: measurements, by name. */
 #include "bench.h"
 
+#include <getopt.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 
@@ -12,7 +14,57 @@ static const struct {
 } measurement[] = {
     {"converge", "time until the gaze disc reaches a given error, for every distribution", bench_converge},
     {"foveation", "angle between true gaze and what is rendered for; onset of saccades", bench_foveation},
+    {"throughput", "paths and rays a second, against Embree alone with the same rays", bench_throughput},
 };
+
+bool bench_scene_option(int c, struct rnd_scene_options *scene, bool *out_ok)
+{
+    switch (c) {
+    case 's':
+        scene->path = optarg;
+        return true;
+    case 'e':
+        scene->env_path = optarg;
+        return true;
+    case 'u':
+        scene->has_sun = *out_ok = sscanf(optarg, "%f,%f,%f,%f", &scene->sun[0], &scene->sun[1],
+                                          &scene->sun[2], &scene->sun[3]) == 4;
+        return true;
+    case 'y':
+        scene->has_eye = *out_ok =
+            sscanf(optarg, "%f,%f,%f", &scene->eye[0], &scene->eye[1], &scene->eye[2]) == 3;
+        return true;
+    default:
+        return false;
+    }
+}
+
+void bench_scene_default(struct rnd_scene_options *scene)
+{
+    if (scene->path) return;
+    scene->path = FIXTURES "/hall.gltf";
+    if (!scene->env_path) scene->env_path = FIXTURES "/sky.hdr";
+}
+
+bool bench_refuse(void)
+{
+    fprintf(stderr, "fovea-bench: cannot use \"%s\" there\n", optarg);
+    return false;
+}
+
+static int ascending(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+double bench_median(const double *values, int count)
+{
+    double sorted[99];
+    memcpy(sorted, values, (size_t)count * sizeof *values);
+    qsort(sorted, (size_t)count, sizeof *sorted, ascending);
+    return count % 2 ? sorted[count / 2] : 0.5 * (sorted[count / 2 - 1] + sorted[count / 2]);
+}
 
 FILE *bench_draw(void)
 {

@@ -43,11 +43,8 @@ struct way {
 
 static const char help[] =
     "usage: fovea-bench converge [OPTION...]\n"
-    "Time until the gaze disc (5.79 degrees) reaches a relative RMSE, for every distribution, in one run.\n"
-    "  --scene FILE       default: the shipped hall, with its sky\n"
-    "  --env FILE         environment map\n"
-    "  --sun A,E,S,D      azimuth, elevation, irradiance, angular diameter (deg)\n"
-    "  --eye X,Y,Z        m\n"
+    "Time until the gaze disc (5.79 degrees) reaches a relative RMSE, for every distribution, in one "
+    "run.\n" BENCH_SCENE_HELP
     "  --gaze A,E         azimuth (right) and elevation of the gaze, deg; default 30,-10\n"
     "  --width N          of the film, pixels; default 1024 (the ratios do not depend on it)\n"
     "  --bounces N        default: Russian roulette alone\n"
@@ -61,39 +58,25 @@ static const char help[] =
 static bool parse(int count, char **arguments, struct setup *out)
 {
     static const struct option option[] = {
-        {"scene", 1, NULL, 's'},   {"env", 1, NULL, 'e'},       {"sun", 1, NULL, 'u'},
-        {"eye", 1, NULL, 'y'},     {"gaze", 1, NULL, 'g'},      {"width", 1, NULL, 'w'},
+        BENCH_SCENE_OPTIONS,       {"gaze", 1, NULL, 'g'},      {"width", 1, NULL, 'w'},
         {"bounces", 1, NULL, 'b'}, {"target", 1, NULL, 't'},    {"repeats", 1, NULL, 'r'},
         {"limit", 1, NULL, 'l'},   {"reference", 1, NULL, 'n'}, {"plot", 1, NULL, 'p'},
         {"json", 0, NULL, 'j'},    {"help", 0, NULL, 'h'},      {0},
     };
-    *out = (struct setup){.scene = {.path = FIXTURES "/hall.gltf"},
-                          .azimuth_deg = 30,
+    *out = (struct setup){.azimuth_deg = 30,
                           .elevation_deg = -10,
                           .width = 1024,
                           .repeats = 3,
                           .reference_spp = 2000,
                           .target = 0.5,
                           .limit_seconds = 600};
-    struct rnd_scene_options *scene = &out->scene;
-    bool own_scene = false;
     for (int c; (c = getopt_long(count, arguments, "", option, NULL)) != -1;) {
         bool ok = true;
+        if (bench_scene_option(c, &out->scene, &ok)) {
+            if (!ok) return bench_refuse();
+            continue;
+        }
         switch (c) {
-        case 's':
-            scene->path = optarg, own_scene = true;
-            break;
-        case 'e':
-            scene->env_path = optarg;
-            break;
-        case 'u':
-            scene->has_sun = ok = sscanf(optarg, "%f,%f,%f,%f", &scene->sun[0], &scene->sun[1],
-                                         &scene->sun[2], &scene->sun[3]) == 4;
-            break;
-        case 'y':
-            scene->has_eye = ok =
-                sscanf(optarg, "%f,%f,%f", &scene->eye[0], &scene->eye[1], &scene->eye[2]) == 3;
-            break;
         case 'g':
             ok = sscanf(optarg, "%f,%f", &out->azimuth_deg, &out->elevation_deg) == 2;
             break;
@@ -127,10 +110,9 @@ static bool parse(int count, char **arguments, struct setup *out)
         default:
             return false;
         }
-        if (!ok) fprintf(stderr, "fovea-bench: cannot use \"%s\" there\n", optarg);
-        if (!ok) return false;
+        if (!ok) return bench_refuse();
     }
-    if (!own_scene && !scene->env_path) scene->env_path = FIXTURES "/sky.hdr";
+    bench_scene_default(&out->scene);
     return true;
 }
 
@@ -280,32 +262,18 @@ static bool race(const struct rnd_scene *scene, const struct setup *setup, struc
     return true;
 }
 
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(const double *values, int count)
-{
-    double sorted[MAX_REPEATS];
-    memcpy(sorted, values, (size_t)count * sizeof *values);
-    qsort(sorted, (size_t)count, sizeof *sorted, ascending);
-    return count % 2 ? sorted[count / 2] : 0.5 * (sorted[count / 2 - 1] + sorted[count / 2]);
-}
-
 static void print_json(const struct setup *setup, const struct way *ways, int count, double reference_error)
 {
     json_t *list = json_array();
     for (int i = 0; i < count; i++) {
         const struct way *way = &ways[i];
-        const double seconds = median(way->reached, setup->repeats),
-                     first = median(ways[0].reached, setup->repeats);
+        const double seconds = bench_median(way->reached, setup->repeats),
+                     first = bench_median(ways[0].reached, setup->repeats);
         json_t *curve = json_array();
         for (int k = 0; k < way->points; k++)
             json_array_append_new(curve, json_pack("[f,f]", way->time[k], way->error[k]));
         json_t *row = json_pack("{s:s,s:f,s:f,s:o}", "distribution", way->distribution->name,
-                                "paths_per_second", median(way->paths_per_second, setup->repeats),
+                                "paths_per_second", bench_median(way->paths_per_second, setup->repeats),
                                 "disc_share", way->disc_share, "curve", curve);
         json_object_set_new(row, "seconds", isfinite(seconds) ? json_real(seconds) : json_null());
         json_object_set_new(row, "times_slower_than_fv",
@@ -329,10 +297,10 @@ static void print_table(const struct setup *setup, const struct way *ways, int c
     printf("%-10s %10s %12s %22s %14s\n", "placed by", "Mpaths/s", "in the disc", "s to relative RMSE",
            "slower than fv");
     for (int i = 0; i < count; i++) {
-        const double seconds = median(ways[i].reached, setup->repeats);
+        const double seconds = bench_median(ways[i].reached, setup->repeats);
         printf("%-10s %10.3f %10.2f %% %13.3f for %.3g %12.1f x\n", ways[i].distribution->name,
-               1e-6 * median(ways[i].paths_per_second, setup->repeats), 100.0 * ways[i].disc_share, seconds,
-               setup->target, seconds / median(ways[0].reached, setup->repeats));
+               1e-6 * bench_median(ways[i].paths_per_second, setup->repeats), 100.0 * ways[i].disc_share,
+               seconds, setup->target, seconds / bench_median(ways[0].reached, setup->repeats));
     }
 }
 

@@ -278,9 +278,9 @@ static void tables(void **state)
 
     /* as many columns as an environment map of 8192 x 4096 has, all alike */
     const uint32_t large = 1u << 25;
-    alias = (struct rnd_alias){.count = large, .keep = malloc(large * sizeof *alias.keep)};
-    assert_non_null(alias.keep);
-    for (uint32_t i = 0; i < large; i++) alias.keep[i] = 1.0f;
+    alias = (struct rnd_alias){.count = large, .entry = malloc(large * sizeof *alias.entry)};
+    assert_non_null(alias.entry);
+    for (uint32_t i = 0; i < large; i++) alias.entry[i].keep = 1.0f;
     assert_int_equal(rnd_alias_draw(&alias, 0x1p-24f, 0.0f), 2);
     assert_int_equal(rnd_alias_draw(&alias, 0x1p-24f, 0.5f), 3);
     assert_int_equal(rnd_alias_draw(&alias, 0x1.fffffep-1f, 0x1.fffffep-1f), large - 1);

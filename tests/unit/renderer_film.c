@@ -158,7 +158,7 @@ static void coarsest_level(void **state)
     struct rnd_render *render = make(scene, 16384, "od", 2);
     const struct rnd_aim aim = files_aim(0, 0, -1);
     struct rnd_batch batch;
-    rnd_render_batch(render, &aim, 1, 6000, &batch);
+    rnd_render_batch(render, &aim, 1, 96000, &batch);
     assert_int_equal(rnd_render_levels(render), 8);
     uint64_t paths = 0;
     for (int x = 0; x < 2; x++) {
@@ -173,7 +173,7 @@ static void coarsest_level(void **state)
                 assert_float_equal(rgb[3 * i], 0.125, 1e-6);
         }
     }
-    assert_int_equal(paths, 6000);
+    assert_int_equal(paths, 96000);
     rnd_render_destroy(render);
     rnd_scene_destroy(scene);
 }

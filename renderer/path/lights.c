@@ -1,0 +1,134 @@
+/* Next-event estimation, first half: a light is chosen for every point, from groups as often as the survey
+ * found worth while, and within a group by power. */
+#include "path/wave.h"
+
+/* Numbers in [0,1) of every point for the choice of light; the first one is for the group. */
+static void draw_numbers(struct rnd_tracer *tracer, uint32_t count)
+{
+    const struct rnd_paths *paths = &tracer->paths[1];
+    const uint32_t light = rnd_dimension(tracer, RND_DIM_LIGHT),
+                   place = rnd_dimension(tracer, RND_DIM_LIGHT_PLACE);
+    float(*u)[RND_WAVE] = tracer->number;
+#pragma omp simd
+    for (uint32_t j = 0; j < count; j++) {
+        float a[2], b[2];
+        rnd_pair(paths->seed[j], light, paths->index[j], a);
+        rnd_pair(paths->seed[j], place, paths->index[j], b);
+        u[0][j] = a[0];
+        u[1][j] = a[1];
+        u[2][j] = b[0];
+        u[3][j] = b[1];
+    }
+}
+
+/* Sort the points into the groups' lists; what is left of the first number chooses again within the group. */
+static void choose_groups(struct rnd_tracer *tracer, uint32_t count, uint32_t number[RND_LIGHT_GROUPS])
+{
+    const float *choose = tracer->scene->lights.choose;
+    int last = 0, only = -1;
+    for (int g = 0; g < RND_LIGHT_GROUPS; g++) {
+        number[g] = 0;
+        if (choose[g] > 0.0f) last = g;
+        if (choose[g] >= 1.0f) only = g;
+    }
+    if (only >= 0) {
+        for (uint32_t j = 0; j < count; j++) tracer->list[only][j] = j;
+        number[only] = count;
+        return;
+    }
+    float *u = tracer->number[0];
+    for (uint32_t j = 0; j < count; j++) {
+        float v = u[j];
+        int g = 0;
+        for (; g < last && v >= choose[g]; g++) v -= choose[g];
+        u[j] = rnd_smaller(v / choose[g], 0x1.fffffep-1f);
+        tracer->list[g][number[g]++] = j;
+    }
+}
+
+static void choose_env(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count)
+{
+    const struct rnd_lights *lights = &tracer->scene->lights;
+    const struct rnd_env *env = lights->env;
+    const struct rnd_paths *paths = &tracer->paths[1];
+    struct rnd_light_choices *to = &tracer->lights;
+    float(*u)[RND_WAVE] = tracer->number;
+    uint32_t *texel = tracer->order;
+    for (uint32_t k = 0; k < count; k++) {
+        float part;
+        const uint32_t i = rnd_alias_place(&env->alias, u[1][list[k]], u[0][list[k]], &part);
+        texel[k] = i;
+        u[0][list[k]] = part;
+        __builtin_prefetch(&env->alias.entry[i]);
+    }
+    for (uint32_t k = 0; k < count; k++) {
+        const struct rnd_alias_entry *entry = &env->alias.entry[texel[k]];
+        if (!(u[0][list[k]] < entry->keep)) texel[k] = entry->other;
+        __builtin_prefetch(env->texel[texel[k]]);
+    }
+    const float choose = lights->choose[RND_LIGHT_ENV];
+    for (uint32_t k = 0; k < count; k++) {
+        const uint32_t j = list[k];
+        float s, t, a, b;
+        const struct rnd_v3 direction = rnd_env_direction(env, texel[k], u[2][j], u[3][j], &s, &t);
+        rnd_dither(paths->seed[j], paths->index[j], 128 + (uint32_t)tracer->depth, &a, &b);
+        const float *radiance = env->texel[rnd_env_texel(env, s, t, a, b)];
+        const float level = sqrtf(direction.x * direction.x + direction.z * direction.z);
+        rnd_put(&to->direction, j, direction);
+        rnd_put(&to->radiance, j, rnd_v3(radiance[0], radiance[1], radiance[2]));
+        to->pdf[j] = choose * env->texel[texel[k]][3] / rnd_larger(level, 1e-6f);
+        to->distance[j] = INFINITY;
+        to->delta[j] = 0;
+    }
+}
+
+static void choose_sun(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count)
+{
+    const struct rnd_lights *lights = &tracer->scene->lights;
+    const struct rnd_sun *sun = lights->sun;
+    struct rnd_light_choices *to = &tracer->lights;
+    const uint32_t delta = !(sun->cos_radius < 1.0f);
+    const float pdf = lights->choose[RND_LIGHT_SUN] * (delta ? 1.0f : rnd_sun_pdf(sun));
+    const struct rnd_v3_frame frame = rnd_v3_frame(sun->direction);
+    for (uint32_t k = 0; k < count; k++) {
+        const uint32_t j = list[k];
+        rnd_put(&to->direction, j, rnd_sun_draw(sun, &frame, tracer->number[2][j], tracer->number[3][j]));
+        rnd_put(&to->radiance, j, sun->radiance);
+        to->pdf[j] = pdf;
+        to->distance[j] = INFINITY;
+        to->delta[j] = delta;
+    }
+}
+
+/* Lights that have a place: each is its own. */
+static void choose_near(struct rnd_tracer *tracer, int group, const uint32_t *list, uint32_t count)
+{
+    struct rnd_light_choices *to = &tracer->lights;
+    float(*u)[RND_WAVE] = tracer->number;
+    for (uint32_t k = 0; k < count; k++) {
+        const uint32_t j = list[k];
+        const float number[4] = {u[0][j], u[1][j], u[2][j], u[3][j]};
+        struct rnd_light_sample light;
+        to->pdf[j] = 0.0f;
+        if (!rnd_light_draw(tracer->scene, group, rnd_get(&tracer->paths[1].origin, j), number, &light))
+            continue;
+        rnd_put(&to->direction, j, light.direction);
+        rnd_put(&to->radiance, j, light.radiance);
+        to->pdf[j] = light.pdf;
+        to->distance[j] = light.distance;
+        to->delta[j] = light.delta;
+    }
+}
+
+void ISA(rnd_choose_lights)(struct rnd_tracer *tracer, uint32_t count)
+{
+    uint32_t number[RND_LIGHT_GROUPS];
+    draw_numbers(tracer, count);
+    choose_groups(tracer, count, number);
+    if (number[RND_LIGHT_AREA])
+        choose_near(tracer, RND_LIGHT_AREA, tracer->list[RND_LIGHT_AREA], number[RND_LIGHT_AREA]);
+    if (number[RND_LIGHT_ENV]) choose_env(tracer, tracer->list[RND_LIGHT_ENV], number[RND_LIGHT_ENV]);
+    if (number[RND_LIGHT_SUN]) choose_sun(tracer, tracer->list[RND_LIGHT_SUN], number[RND_LIGHT_SUN]);
+    if (number[RND_LIGHT_PUNCTUAL])
+        choose_near(tracer, RND_LIGHT_PUNCTUAL, tracer->list[RND_LIGHT_PUNCTUAL], number[RND_LIGHT_PUNCTUAL]);
+}

@@ -1,0 +1,271 @@
+/* What surfaces do with light: next-event estimation, second half, and where paths go on.
+ *
+ * Matt and metallic-roughness surfaces are done by vector instructions, all others one at a time by shade.c.
+ */
+#include "path/ggx.h"
+#include "path/shade.h"
+#include "path/wave.h"
+
+/* Bounces before Russian roulette begins: shorter paths carry most of the light. */
+enum { SURE_BOUNCES = 3 };
+
+/* How much a path's cone widens where it is scattered: rad, by the square root of the solid angle that the
+ * density stands for. Half of that of a cosine lobe, for what is seen in it is a mean anyway. */
+#define SCATTER_SPREAD 0.06f
+
+/* --- light that arrives --- */
+
+/* What a chosen light brings if it is not hidden, from what of it the surface scatters (times cosine), and
+ * the density with which the surface would have drawn its direction; 0 if that is nothing. */
+RND_INLINE struct rnd_v3 brought(const struct rnd_tracer *tracer, uint32_t j, struct rnd_v3 f, float pdf)
+{
+    const struct rnd_light_choices *lights = &tracer->lights;
+    const float chosen = lights->pdf[j], safe = rnd_larger(chosen, 1e-37f);
+    const float both = lights->delta[j] ? 1.0f : rnd_power_heuristic(safe, pdf);
+    const float weight = chosen > 0.0f ? both / safe : 0.0f;
+    return rnd_v3_scale(
+        rnd_v3_mul(rnd_v3_mul(f, rnd_get(&lights->radiance, j)), rnd_get(&tracer->paths[1].throughput, j)),
+        weight);
+}
+
+static void light_matt(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
+{
+    const struct rnd_surfaces *s = &tracer->surfaces;
+    struct rnd_scatters *to = &tracer->scatters;
+#pragma omp simd
+    for (uint32_t j = begin; j < end; j++) {
+        const struct rnd_v3 wi = rnd_get(&tracer->lights.direction, j);
+        const float cosine = rnd_v3_dot(wi, rnd_get(&s->normal, j)),
+                    above = rnd_v3_dot(wi, rnd_get(&s->geometric, j));
+        const float pdf = (cosine > 0.0f) & (above > 0.0f) ? cosine / RND_PI : 0.0f;
+        rnd_put(&to->brought, j, brought(tracer, j, rnd_v3_scale(rnd_get(&s->base, j), pdf), pdf));
+    }
+}
+
+static void light_metal_rough(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
+{
+    const struct rnd_surfaces *s = &tracer->surfaces;
+    struct rnd_scatters *to = &tracer->scatters;
+#pragma omp simd
+    for (uint32_t j = begin; j < end; j++) {
+        const struct rnd_v3 wi = rnd_get(&tracer->lights.direction, j);
+        const struct rnd_v3_frame frame = rnd_v3_frame(rnd_get(&s->normal, j));
+        const struct rnd_v3 wo =
+            rnd_v3_scale(rnd_v3_to_local(&frame, rnd_get(&tracer->paths[1].direction, j)), -1.0f);
+        const struct rnd_mr m = rnd_mr(rnd_get(&s->base, j), s->metallic[j], s->alpha[j],
+                                       rnd_v3(s->f0[j], s->f0[j], s->f0[j]), s->f90[j]);
+        struct rnd_v3 f;
+        float pdf;
+        rnd_mr_eval(&m, wo, rnd_v3_to_local(&frame, wi), &f, &pdf);
+        const float above = rnd_v3_dot(wi, rnd_get(&s->geometric, j)) > 0.0f ? 1.0f : 0.0f;
+        rnd_put(&to->brought, j, brought(tracer, j, rnd_v3_scale(f, above), pdf));
+    }
+}
+
+/* --- where paths go on --- */
+
+static void draw_matt(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
+{
+    const struct rnd_surfaces *s = &tracer->surfaces;
+    struct rnd_scatters *to = &tracer->scatters;
+#pragma omp simd
+    for (uint32_t j = begin; j < end; j++) {
+        const struct rnd_v3_frame frame = rnd_v3_frame(rnd_get(&s->normal, j));
+        const struct rnd_v3 local = rnd_draw_cosine(tracer->number[0][j], tracer->number[1][j]);
+        const struct rnd_v3 wi = rnd_v3_to_world(&frame, local);
+        const float above = rnd_v3_dot(wi, rnd_get(&s->geometric, j));
+        rnd_put(&to->direction, j, wi);
+        rnd_put(&to->weight, j, rnd_get(&s->base, j));
+        to->pdf[j] = above > 0.0f ? local.z / RND_PI : -1.0f;
+    }
+}
+
+static void draw_metal_rough(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
+{
+    const struct rnd_surfaces *s = &tracer->surfaces;
+    struct rnd_scatters *to = &tracer->scatters;
+#pragma omp simd
+    for (uint32_t j = begin; j < end; j++) {
+        const struct rnd_v3_frame frame = rnd_v3_frame(rnd_get(&s->normal, j));
+        const struct rnd_v3 wo =
+            rnd_v3_scale(rnd_v3_to_local(&frame, rnd_get(&tracer->paths[1].direction, j)), -1.0f);
+        const struct rnd_mr m = rnd_mr(rnd_get(&s->base, j), s->metallic[j], s->alpha[j],
+                                       rnd_v3(s->f0[j], s->f0[j], s->f0[j]), s->f90[j]);
+        struct rnd_v3 local, weight;
+        float pdf;
+        rnd_mr_draw(&m, wo, tracer->number[0][j], tracer->number[1][j], tracer->number[2][j], &local, &weight,
+                    &pdf);
+        const struct rnd_v3 wi = rnd_v3_to_world(&frame, local);
+        const float above = rnd_v3_dot(wi, rnd_get(&s->geometric, j));
+        rnd_put(&to->direction, j, wi);
+        rnd_put(&to->weight, j, weight);
+        to->pdf[j] = (above > 0.0f) & (pdf > 0.0f) ? pdf : -1.0f;
+    }
+}
+
+/* --- rich materials: one at a time --- */
+
+static void rich(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
+{
+    const struct rnd_surfaces *s = &tracer->surfaces;
+    const struct rnd_light_choices *lights = &tracer->lights;
+    struct rnd_scatters *to = &tracer->scatters;
+    for (uint32_t j = begin; j < end; j++) {
+        const struct rnd_v3 d = rnd_get(&tracer->paths[1].direction, j), l = rnd_get(&lights->direction, j);
+        const vec3s direction = {{d.x, d.y, d.z}}, wo = glms_vec3_negate(direction);
+        struct rnd_hit hit = {.mesh = s->mesh[j],
+                              .triangle = s->triangle[j],
+                              .u = s->u[j],
+                              .v = s->v[j],
+                              .distance = s->distance[j]};
+        const float side = s->front[j] ? 1.0f : -1.0f;
+        hit.normal = (vec3s){{side * s->geometric.x[j], side * s->geometric.y[j], side * s->geometric.z[j]}};
+        struct rnd_surface surface;
+        struct rnd_bsdf_sample sample;
+        rnd_surface_at(tracer->scene, &hit, direction, &surface);
+        float pdf;
+        const vec3s f =
+            lights->pdf[j] > 0.0f ? rnd_bsdf(&surface, wo, (vec3s){{l.x, l.y, l.z}}, &pdf) : glms_vec3_zero();
+        rnd_put(&to->brought, j,
+                rnd_v3_luminance(rnd_v3(f.x, f.y, f.z)) > 0.0f
+                    ? brought(tracer, j, rnd_v3(f.x, f.y, f.z), pdf)
+                    : rnd_v3(0, 0, 0));
+        const float u[3] = {tracer->number[0][j], tracer->number[1][j], tracer->number[2][j]};
+        const bool on = rnd_bsdf_draw(&surface, wo, u, &sample);
+        to->pdf[j] = -1.0f;
+        if (!on) continue;
+        rnd_put(&to->direction, j, rnd_v3(sample.wi.x, sample.wi.y, sample.wi.z));
+        rnd_put(&to->weight, j, rnd_v3(sample.weight.x, sample.weight.y, sample.weight.z));
+        to->pdf[j] = sample.delta ? 0.0f : sample.pdf;
+    }
+}
+
+/* --- stages --- */
+
+static void draw_numbers(struct rnd_tracer *tracer, uint32_t count)
+{
+    const struct rnd_paths *paths = &tracer->paths[1];
+    const uint32_t direction = rnd_dimension(tracer, RND_DIM_DIRECTION),
+                   lobe = rnd_dimension(tracer, RND_DIM_LOBE);
+    const uint32_t from = tracer->depth >= SURE_BOUNCES ? 0 : tracer->surfaces.end[RND_DIFFUSE];
+    float(*u)[RND_WAVE] = tracer->number;
+#pragma omp simd
+    for (uint32_t j = 0; j < count; j++) {
+        float a[2];
+        rnd_pair(paths->seed[j], direction, paths->index[j], a);
+        u[0][j] = a[0];
+        u[1][j] = a[1];
+    }
+#pragma omp simd
+    for (uint32_t j = from; j < count; j++) { /* of matt surfaces only roulette asks for it */
+        float a[2];
+        rnd_pair(paths->seed[j], lobe, paths->index[j], a);
+        u[2][j] = a[0];
+        u[3][j] = a[1];
+    }
+}
+
+/* How far off a surface rays begin: beyond what rounding may have moved the point into it, by its coordinates
+ * and by the length of the ray that found it. */
+RND_INLINE float offset_of(struct rnd_v3 p, float distance)
+{
+    const float largest = rnd_larger(rnd_larger(fabsf(p.x), fabsf(p.y)), rnd_larger(fabsf(p.z), distance));
+    return largest * 0x1p-16f;
+}
+
+/* The shadow rays of lights that bring something. */
+static void cast_shadows(struct rnd_tracer *tracer, uint32_t count)
+{
+    const struct rnd_paths *paths = &tracer->paths[1];
+    const struct rnd_surfaces *s = &tracer->surfaces;
+    const struct rnd_light_choices *lights = &tracer->lights;
+    uint32_t n = 0;
+    for (uint32_t j = 0; j < count; j++) {
+        const struct rnd_v3 radiance = rnd_get(&tracer->scatters.brought, j);
+        if (!(rnd_v3_luminance(radiance) > 0.0f)) continue;
+        const struct rnd_v3 p = rnd_get(&paths->origin, j), wi = rnd_get(&lights->direction, j),
+                            normal = rnd_get(&s->geometric, j);
+        const float off = offset_of(p, s->distance[j]), side = rnd_v3_dot(wi, normal) >= 0.0f ? off : -off;
+        tracer->shadow[n] = (struct rnd_shadow){paths->id[j], radiance};
+        tracer->shadow_ray[n++] = (struct RTCRay){.org_x = p.x + side * normal.x,
+                                                  .org_y = p.y + side * normal.y,
+                                                  .org_z = p.z + side * normal.z,
+                                                  .dir_x = wi.x,
+                                                  .dir_y = wi.y,
+                                                  .dir_z = wi.z,
+                                                  .tfar = lights->distance[j] * (1.0f - 1e-4f),
+                                                  .mask = UINT32_MAX};
+    }
+    tracer->shadows = n;
+}
+
+/* Throughput after the surface, and Russian roulette: a density below zero ends the path. */
+static void weigh(struct rnd_tracer *tracer, uint32_t count)
+{
+    struct rnd_paths *paths = &tracer->paths[1];
+    struct rnd_scatters *to = &tracer->scatters;
+    const int sure = tracer->depth < SURE_BOUNCES;
+#pragma omp simd
+    for (uint32_t j = 0; j < count; j++) {
+        const struct rnd_v3 t = rnd_v3_mul(rnd_get(&paths->throughput, j), rnd_get(&to->weight, j));
+        const float largest = rnd_v3_max(t), go_on = sure ? 1.0f : rnd_smaller(largest, 0.95f);
+        const float number = sure ? 0.0f : tracer->number[3][j];
+        const int on = (to->pdf[j] >= 0.0f) & (number < go_on) & (largest > 0.0f);
+        rnd_put(&paths->throughput, j, rnd_v3_scale(t, 1.0f / rnd_larger(go_on, 1e-37f)));
+        to->pdf[j] = on ? to->pdf[j] : -1.0f;
+    }
+}
+
+/* Move those that go on from paths 1 to paths 0. */
+static uint32_t go_on(struct rnd_tracer *tracer, uint32_t count)
+{
+    const struct rnd_paths *from = &tracer->paths[1];
+    const struct rnd_surfaces *s = &tracer->surfaces;
+    const struct rnd_scatters *way = &tracer->scatters;
+    struct rnd_paths *to = &tracer->paths[0];
+    uint32_t *order = tracer->order, alive = 0;
+    for (uint32_t j = 0; j < count; j++) {
+        order[alive] = j;
+        alive += way->pdf[j] >= 0.0f;
+    }
+#pragma omp simd
+    for (uint32_t i = 0; i < alive; i++) {
+        const uint32_t j = order[i];
+        const struct rnd_v3 p = rnd_get(&from->origin, j), wi = rnd_get(&way->direction, j),
+                            normal = rnd_get(&s->geometric, j);
+        const float off = offset_of(p, s->distance[j]), side = rnd_v3_dot(wi, normal) >= 0.0f ? off : -off;
+        const float pdf = way->pdf[j], wider = pdf > 0.0f ? SCATTER_SPREAD / sqrtf(pdf) : 0.0f;
+        rnd_put(&to->origin, i, rnd_v3_muladd(normal, side, p));
+        rnd_put(&to->direction, i, wi);
+        to->pdf[i] = pdf;
+        to->width[i] = from->width[j];
+        to->spread[i] = from->spread[j] + wider;
+    }
+#pragma omp simd
+    for (uint32_t i = 0; i < alive; i++) {
+        const uint32_t j = order[i];
+        to->throughput.x[i] = from->throughput.x[j];
+        to->throughput.y[i] = from->throughput.y[j];
+        to->throughput.z[i] = from->throughput.z[j];
+        to->seed[i] = from->seed[j];
+        to->index[i] = from->index[j];
+        to->id[i] = from->id[j];
+    }
+    return alive;
+}
+
+uint32_t ISA(rnd_scatter)(struct rnd_tracer *tracer, uint32_t count)
+{
+    const uint32_t *end = tracer->surfaces.end;
+    draw_numbers(tracer, count);
+    light_matt(tracer, 0, end[RND_DIFFUSE]);
+    draw_matt(tracer, 0, end[RND_DIFFUSE]);
+    if (end[RND_METAL_ROUGH] > end[RND_DIFFUSE]) {
+        light_metal_rough(tracer, end[RND_DIFFUSE], end[RND_METAL_ROUGH]);
+        draw_metal_rough(tracer, end[RND_DIFFUSE], end[RND_METAL_ROUGH]);
+    }
+    rich(tracer, end[RND_METAL_ROUGH], end[RND_RICH]);
+    cast_shadows(tracer, count);
+    weigh(tracer, count);
+    return go_on(tracer, count);
+}

@@ -1,0 +1,248 @@
+/* From hits to surfaces: which mesh, which material, the normals, the textures. And the light that needs no
+ * light to be chosen: the sky's where a ray hit nothing, and what a surface emits itself. */
+#include "path/ggx.h"
+#include "path/wave.h"
+
+#include <string.h>
+
+/* --- sky --- */
+
+static void add(struct rnd_tracer *tracer, uint32_t id, struct rnd_v3 radiance)
+{
+    tracer->io->radiance[0][id] += radiance.x;
+    tracer->io->radiance[1][id] += radiance.y;
+    tracer->io->radiance[2][id] += radiance.z;
+}
+
+/* The paths of a list left the scene: environment and sun. */
+static void sky(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count)
+{
+    const struct rnd_lights *lights = &tracer->scene->lights;
+    const struct rnd_paths *paths = &tracer->paths[0];
+    const struct rnd_env *env = lights->env;
+    const struct rnd_sun *sun = lights->sun && lights->sun->cos_radius < 1.0f ? lights->sun : NULL;
+    for (uint32_t k = 0; k < count; k++) {
+        const uint32_t i = list[k];
+        const struct rnd_v3 direction = rnd_get(&paths->direction, i);
+        struct rnd_v3 radiance = {0, 0, 0};
+        if (env) {
+            float u, v, r, s;
+            rnd_env_to_uv(env, direction, &u, &v);
+            rnd_dither(paths->seed[i], paths->index[i], 256 + (uint32_t)tracer->depth, &r, &s);
+            const float *t = env->texel[rnd_env_texel(env, u, v, r, s)],
+                        density = env->texel[rnd_env_texel(env, u, v, 0.5f, 0.5f)][3];
+            const float level = sqrtf(direction.x * direction.x + direction.z * direction.z);
+            const float other = lights->choose[RND_LIGHT_ENV] * density / rnd_larger(level, 1e-6f);
+            const float weight = paths->pdf[i] > 0.0f ? rnd_power_heuristic(paths->pdf[i], other) : 1.0f;
+            radiance = rnd_v3_scale(rnd_v3(t[0], t[1], t[2]), weight);
+        }
+        if (sun && rnd_v3_dot(direction, sun->direction) >= sun->cos_radius) {
+            const float other = lights->choose[RND_LIGHT_SUN] * rnd_sun_pdf(sun);
+            const float weight = paths->pdf[i] > 0.0f ? rnd_power_heuristic(paths->pdf[i], other) : 1.0f;
+            radiance = rnd_v3_muladd(sun->radiance, weight, radiance);
+        }
+        add(tracer, paths->id[i], rnd_v3_mul(radiance, rnd_get(&paths->throughput, i)));
+    }
+}
+
+/* --- order --- */
+
+/* Put hit k = order[j] of paths 0 at place j of paths 1 and of the surfaces, its origin moved to where it
+ * hit. */
+static void gather(struct rnd_tracer *tracer, const uint32_t *order, uint32_t count)
+{
+    const struct rnd_paths *from = &tracer->paths[0];
+    const struct rnd_hits *hits = &tracer->hits;
+    struct rnd_paths *to = &tracer->paths[1];
+    struct rnd_surfaces *s = &tracer->surfaces;
+#pragma omp simd
+    for (uint32_t j = 0; j < count; j++) {
+        const uint32_t i = order[j];
+        const float t = hits->distance[i];
+        s->distance[j] = t;
+        to->origin.x[j] = from->origin.x[i] + t * from->direction.x[i];
+        to->origin.y[j] = from->origin.y[i] + t * from->direction.y[i];
+        to->origin.z[j] = from->origin.z[i] + t * from->direction.z[i];
+        to->direction.x[j] = from->direction.x[i];
+        to->direction.y[j] = from->direction.y[i];
+        to->direction.z[j] = from->direction.z[i];
+        to->width[j] = from->width[i] + t * from->spread[i];
+        to->spread[j] = from->spread[i];
+    }
+#pragma omp simd
+    for (uint32_t j = 0; j < count; j++) {
+        const uint32_t i = order[j];
+        to->throughput.x[j] = from->throughput.x[i];
+        to->throughput.y[j] = from->throughput.y[i];
+        to->throughput.z[j] = from->throughput.z[i];
+        to->pdf[j] = from->pdf[i];
+        to->seed[j] = from->seed[i];
+        to->index[j] = from->index[i];
+        to->id[j] = from->id[i];
+    }
+#pragma omp simd
+    for (uint32_t j = 0; j < count; j++) {
+        const uint32_t i = order[j];
+        s->u[j] = hits->u[i];
+        s->v[j] = hits->v[i];
+        s->geometric.x[j] = hits->normal.x[i];
+        s->geometric.y[j] = hits->normal.y[i];
+        s->geometric.z[j] = hits->normal.z[i];
+        s->triangle[j] = hits->primitive[i];
+    }
+}
+
+/* --- geometry --- */
+
+/* Unit normals that face where the ray came from, the shading normal by interpolation. */
+static void face(struct rnd_tracer *tracer, uint32_t count)
+{
+    const struct rnd_record *records = tracer->scene->record;
+    const struct rnd_paths *paths = &tracer->paths[1];
+    struct rnd_surfaces *s = &tracer->surfaces;
+    uint32_t(*corner)[RND_WAVE] = tracer->corner;
+    for (uint32_t j = 0; j < count; j++) {
+        const struct rnd_record *record = &records[s->record[j]];
+        corner[0][j] = record->normal[0];
+        corner[1][j] = record->normal[1];
+        corner[2][j] = record->normal[2];
+    }
+#pragma omp simd
+    for (uint32_t j = 0; j < count; j++) {
+        const struct rnd_v3 direction = rnd_get(&paths->direction, j);
+        const struct rnd_v3 outside = rnd_v3_normalize(rnd_get(&s->geometric, j));
+        const float side = rnd_v3_dot(outside, direction) < 0.0f ? 1.0f : -1.0f;
+        const struct rnd_v3 geometric = rnd_v3_scale(outside, side);
+        const struct rnd_v3 a = rnd_v3_normalize(rnd_octahedral_decode(corner[0][j])),
+                            b = rnd_v3_normalize(rnd_octahedral_decode(corner[1][j])),
+                            c = rnd_v3_normalize(rnd_octahedral_decode(corner[2][j]));
+        const float u = s->u[j], v = s->v[j];
+        const struct rnd_v3 smooth = rnd_v3_scale(
+            rnd_v3_normalize(rnd_v3_muladd(c, v, rnd_v3_muladd(b, u, rnd_v3_scale(a, 1.0f - u - v)))), side);
+        const int good = (rnd_v3_dot(smooth, direction) < 0.0f) & (rnd_v3_dot(smooth, geometric) > 0.0f);
+        rnd_put(&s->geometric, j, geometric);
+        rnd_put(&s->normal, j, rnd_v3_select(good, smooth, geometric));
+        s->front[j] = side > 0.0f ? 1u : 0u;
+    }
+}
+
+/* --- materials --- */
+
+/* log2 to a tenth: the exponent, and the mantissa as if it were straight. */
+static float roughly_log2(float x)
+{
+    int32_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return (float)bits * 0x1p-23f - 127.0f;
+}
+
+/* The mipmap level whose texels are half as large as the path's cone where it hit. */
+static int level_of(const struct rnd_texture *texture, float lod, float width, float cosine)
+{
+    const float footprint = rnd_larger(width, 1e-12f) / rnd_larger(cosine, 0.05f);
+    const float level = lod + texture->log2_size + roughly_log2(footprint) - 0.5f; /* -1, and 1/2 to round */
+    const float last = (float)(texture->levels - 1);
+    return (int)rnd_smaller(rnd_larger(level, 0.0f), last);
+}
+
+/* Base colours of points begin to end: of the material, and its texture. */
+static void base_colours(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
+{
+    const struct rnd_scene *scene = tracer->scene;
+    const struct rnd_paths *paths = &tracer->paths[1];
+    struct rnd_surfaces *s = &tracer->surfaces;
+    struct rnd_look *look = tracer->look;
+    uint32_t looks = 0;
+    for (uint32_t j = begin; j < end; j++) {
+        const struct rnd_material *material = &scene->material[s->material[j]];
+        s->base.x[j] = material->base.x;
+        s->base.y[j] = material->base.y;
+        s->base.z[j] = material->base.z;
+        s->metallic[j] = material->metallic;
+        s->alpha[j] = rnd_alpha(material->roughness);
+        s->f0[j] = material->f0;
+        s->f90[j] = material->specular;
+        const struct rnd_map *map = &material->map[RND_MAP_BASE];
+        if (map->texture < 0) continue;
+        const struct rnd_texture *texture = &scene->texture[map->texture];
+        const struct rnd_record *record = &scene->record[s->record[j]];
+        const float u = s->u[j], v = s->v[j], w = 1.0f - u - v;
+        float r, t;
+        rnd_dither(paths->seed[j], paths->index[j], (uint32_t)tracer->depth, &r, &t);
+        const float cosine = fabsf(rnd_v3_dot(rnd_get(&paths->direction, j), rnd_get(&s->normal, j)));
+        const size_t texel = rnd_texture_pick(
+            texture, map->wrap, w * record->uv[0][0] + u * record->uv[1][0] + v * record->uv[2][0],
+            w * record->uv[0][1] + u * record->uv[1][1] + v * record->uv[2][1],
+            level_of(texture, record->lod, paths->width[j], cosine), r, t);
+        look[looks++] = (struct rnd_look){texture, texel, j};
+        __builtin_prefetch(texture->bytes ? (const void *)(texture->bytes + 4 * texel)
+                                          : (const void *)(texture->floats + 4 * texel));
+    }
+    for (uint32_t k = 0; k < looks; k++) {
+        const struct rnd_texel t = rnd_texture_texel(look[k].texture, look[k].texel);
+        const uint32_t j = look[k].point;
+        s->base.x[j] *= t.r;
+        s->base.y[j] *= t.g;
+        s->base.z[j] *= t.b;
+    }
+}
+
+/* --- stages --- */
+
+uint32_t ISA(rnd_surface)(struct rnd_tracer *tracer, uint32_t count)
+{
+    const struct rnd_scene *scene = tracer->scene;
+    const struct rnd_hits *hits = &tracer->hits;
+    struct rnd_surfaces *s = &tracer->surfaces;
+    uint32_t number[RND_RICH + 1] = {0}, missed = 0;
+    uint32_t(*list)[RND_WAVE] = tracer->list, *miss = tracer->list[RND_RICH + 1];
+    for (uint32_t i = 0; i < count; i++) {
+        if (hits->geometry[i] == RTC_INVALID_GEOMETRY_ID) {
+            miss[missed++] = i;
+            continue;
+        }
+        const struct rnd_mesh *mesh = &scene->mesh[hits->geometry[i]];
+        const enum rnd_material_kind kind = scene->material[mesh->material].kind;
+        __builtin_prefetch(&scene->record[mesh->first_record + hits->primitive[i]]);
+        list[kind][number[kind]++] = i;
+    }
+    uint32_t *order = tracer->order, hit = 0;
+    for (int kind = 0; kind <= RND_RICH; kind++) {
+        for (uint32_t k = 0; k < number[kind]; k++) {
+            const uint32_t i = list[kind][k];
+            const struct rnd_mesh *mesh = &scene->mesh[hits->geometry[i]];
+            s->mesh[hit] = hits->geometry[i];
+            s->material[hit] = mesh->material;
+            s->record[hit] = (uint32_t)mesh->first_record + hits->primitive[i];
+            order[hit++] = i;
+        }
+        s->end[kind] = hit;
+    }
+    sky(tracer, miss, missed);
+    gather(tracer, order, hit);
+    face(tracer, hit);
+    base_colours(tracer, 0, s->end[RND_METAL_ROUGH]);
+    return hit;
+}
+
+void ISA(rnd_emission)(struct rnd_tracer *tracer, uint32_t count)
+{
+    const struct rnd_scene *scene = tracer->scene;
+    const struct rnd_lights *lights = &scene->lights;
+    const struct rnd_paths *paths = &tracer->paths[1];
+    const struct rnd_surfaces *s = &tracer->surfaces;
+    if (lights->area_count == 0) return;
+    for (uint32_t j = 0; j < count; j++) {
+        const struct rnd_mesh *mesh = &scene->mesh[s->mesh[j]];
+        if (mesh->first_light == UINT32_MAX) continue;
+        const struct rnd_area *area = &lights->area[mesh->first_light + s->triangle[j]];
+        if (!s->front[j] && !(area->flags & RND_AREA_DOUBLE)) continue;
+        const struct rnd_v3 direction = rnd_get(&paths->direction, j);
+        float weight = 1.0f;
+        if (paths->pdf[j] > 0.0f)
+            weight =
+                rnd_power_heuristic(paths->pdf[j], rnd_area_pdf(lights, area, direction, s->distance[j]));
+        const struct rnd_v3 radiance = rnd_v3_scale(rnd_area_emission(scene, area, s->u[j], s->v[j]), weight);
+        add(tracer, paths->id[j], rnd_v3_mul(radiance, rnd_get(&paths->throughput, j)));
+    }
+}

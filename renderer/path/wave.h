@@ -1,0 +1,174 @@
+/* A wave of paths in structures of arrays: what the stages of the integrator hand to each other.
+ *
+ * The stages (rays, surface, lights, scatter) are compiled once for every instruction set that is worth it;
+ * ISA() tells their names apart, and rnd_tracer_create() takes the best that the processor has.
+ */
+#ifndef FOVEAD_RENDERER_WAVE_H
+#define FOVEAD_RENDERER_WAVE_H
+
+#include "path/trace.h"
+#include "path/v3.h"
+
+#define RND_JOIN_(a, b) a##_##b
+#define RND_JOIN(a, b)  RND_JOIN_(a, b)
+#ifndef RND_ISA
+#define RND_ISA plain
+#endif
+#define ISA(name) RND_JOIN(name, RND_ISA)
+
+/* One value of every path. */
+typedef float rnd_floats[RND_WAVE] __attribute__((aligned(64)));
+typedef uint32_t rnd_words[RND_WAVE] __attribute__((aligned(64)));
+
+struct rnd_vectors {
+    rnd_floats x, y, z;
+};
+
+/* Paths under way, dense: those that end leave no holes. */
+struct rnd_paths {
+    struct rnd_vectors origin, direction; /* of the ray; at a surface, origin is the point that was hit */
+    struct rnd_vectors throughput;
+    rnd_floats pdf; /* with which the direction was drawn, per steradian; 0: a single direction, which
+                       next-event estimation could not have found */
+    rnd_floats width,
+        spread; /* of the cone that the path stands for: m at the origin, and m a metre from there */
+    rnd_words seed, index; /* address of its random numbers */
+    rnd_words id;          /* which of the wave's answers is its */
+};
+
+/* What rays hit, in the order of the paths that they belong to. */
+struct rnd_hits {
+    rnd_floats distance, u, v;
+    struct rnd_vectors
+        normal; /* of the triangle, of any length: its outside is where the vertices turn left */
+    rnd_words geometry, primitive, instance;
+};
+
+/* What Embree asks for of a ray beyond its path: the same for all. */
+struct rnd_ray_rest {
+    rnd_floats zero;
+    rnd_words nothing, all;
+};
+
+/* Points on surfaces, in the order of the paths; sorted by kind of material. */
+struct rnd_surfaces {
+    uint32_t end[RND_RICH + 1]; /* where each kind's points end; it begins where the one before ended */
+    rnd_words mesh, record, material, triangle;
+    rnd_floats distance, u, v;
+    struct rnd_vectors normal, geometric; /* unit; both face where the ray came from */
+    rnd_words front;                      /* hit from the outside: 0 or 1 */
+    struct rnd_vectors base;
+    rnd_floats metallic, alpha; /* GGX alpha: roughness squared */
+    rnd_floats f0, f90;         /* reflectance of the non-metal ahead and at grazing angles */
+};
+
+/* A light chosen for each point; pdf 0: none. */
+struct rnd_light_choices {
+    struct rnd_vectors direction, radiance;
+    rnd_floats distance, pdf;
+    rnd_words delta;
+};
+
+/* What surfaces do: with the chosen light, and where the paths go on. */
+struct rnd_scatters {
+    struct rnd_vectors brought; /* radiance that the path brings if the light is not hidden */
+    struct rnd_vectors direction, weight;
+    rnd_floats pdf; /* of the direction; 0: a single direction; negative: the path ends */
+};
+
+/* A texel on its way from memory. */
+struct rnd_look {
+    const struct rnd_texture *texture;
+    size_t texel;
+    uint32_t point;
+};
+
+enum { RND_LISTS = 4 };
+_Static_assert((int)RND_LISTS >= (int)RND_LIGHT_GROUPS && (int)RND_LISTS >= (int)RND_RICH + 2,
+               "a list for each, and one of misses");
+
+struct rnd_shadow {
+    uint32_t id;
+    struct rnd_v3 radiance;
+};
+
+enum rnd_stage { RND_STAGE_RAYS, RND_STAGE_SURFACE, RND_STAGE_LIGHT, RND_STAGE_SCATTER, RND_STAGES };
+
+struct stages;
+struct rnd_tape;
+
+struct rnd_tracer {
+    const struct rnd_scene *scene;
+    int max_bounces;
+    float spread;                /* angle between neighbouring pixels, rad */
+    const struct stages *stages; /* for this processor */
+    uint64_t rays;
+    uint64_t stage_ns[RND_STAGES];
+    struct rnd_tape *tape; /* NULL unless calls are recorded */
+
+    /* of the wave under way */
+    struct rnd_wave_io *io;
+    int depth;
+    struct rnd_paths paths[2]; /* paths of the step, and where those that go on are put */
+    struct rnd_hits hits;
+    struct rnd_ray_rest ray_rest;
+    struct rnd_surfaces surfaces;
+    struct rnd_light_choices lights;
+    struct rnd_scatters scatters;
+    rnd_floats number[4]; /* random ones of the stage under way */
+    uint32_t shadows;
+    struct rnd_shadow shadow[RND_WAVE];
+    struct RTCRay shadow_ray[RND_WAVE];
+    rnd_words order;
+    rnd_words list[RND_LISTS]; /* of misses, kinds of material, groups of lights */
+    rnd_words corner[3];       /* normals of hit triangles */
+    struct rnd_look look[RND_WAVE];
+};
+
+RND_INLINE struct rnd_v3 rnd_get(const struct rnd_vectors *from, uint32_t i)
+{
+    return rnd_v3(from->x[i], from->y[i], from->z[i]);
+}
+
+RND_INLINE void rnd_put(struct rnd_vectors *to, uint32_t i, struct rnd_v3 value)
+{
+    to->x[i] = value.x;
+    to->y[i] = value.y;
+    to->z[i] = value.z;
+}
+
+/* Dimensions that a vertex of a path uses, from RND_DIMENSION_PATH on. */
+enum { RND_DIM_DIRECTION, RND_DIM_LOBE, RND_DIM_LIGHT, RND_DIM_LIGHT_PLACE, RND_DIM_COUNT };
+
+RND_INLINE uint32_t rnd_dimension(const struct rnd_tracer *tracer, uint32_t which)
+{
+    return RND_DIMENSION_PATH + RND_DIM_COUNT * (uint32_t)tracer->depth + which;
+}
+
+/* Two further numbers for what needs no good distribution: which texel of four. */
+RND_INLINE void rnd_dither(uint32_t seed, uint32_t index, uint32_t which, float *out_r, float *out_s)
+{
+    const uint32_t h = rnd_hash(seed ^ (index * 0x9e3779b9u + which * 0x85ebca6bu));
+    *out_r = (float)(int32_t)(h & 0xffffu) * 0x1p-16f;
+    *out_s = (float)(int32_t)(h >> 16) * 0x1p-16f;
+}
+
+/* rays.c: what paths hit; and which shadow rays get through, whose radiance is added. */
+void rnd_rays_init(struct rnd_tracer *tracer);
+void rnd_intersect(struct rnd_tracer *tracer, struct rnd_paths *paths, uint32_t count, bool coherent);
+void rnd_occlude(struct rnd_tracer *tracer);
+
+/* surface.c: of count rays that were traced from paths 0, add the sky's radiance for those that hit nothing;
+ * the others go to paths 1, sorted, with their surfaces. Returns their number. Then what the surfaces
+ * themselves emit. */
+uint32_t ISA(rnd_surface)(struct rnd_tracer *tracer, uint32_t count);
+void ISA(rnd_emission)(struct rnd_tracer *tracer, uint32_t count);
+
+/* light.c: choose a light for each point of paths 1. */
+void ISA(rnd_choose_lights)(struct rnd_tracer *tracer, uint32_t count);
+
+/* scatter.c: what of the lights is scattered towards the eye: shadow rays; and where the paths of paths 1 go
+ * on: into paths 0. Returns the number of those that do; the last step has no such. */
+uint32_t ISA(rnd_scatter)(struct rnd_tracer *tracer, uint32_t count);
+
+#endif

@@ -1,0 +1,191 @@
+/* Lights of a scene: emissive triangles, environment, sun, punctual lights; drawn one at a time for
+ * next-event estimation. A shading point chooses a group, then a light within the group by power. */
+#ifndef FOVEAD_RENDERER_LIGHT_H
+#define FOVEAD_RENDERER_LIGHT_H
+
+#include "path/uv.h"
+#include "renderer.h"
+
+struct rnd_scene;
+
+/* Walker's alias table: draws i with probability weight[i] / sum in constant time. */
+struct rnd_alias {
+    uint32_t count;
+    double sum;
+    float *probability; /* of drawing i */
+    struct rnd_alias_entry {
+        float keep;
+        uint32_t other;
+    } * entry;
+};
+/* weights are not negative and not all zero. */
+bool rnd_alias_init(struct rnd_alias *alias, const float *weight, uint32_t count);
+void rnd_alias_finish(struct rnd_alias *alias);
+
+/* From u in [0,1), whose bits below 2^-24 are v in [0,1): the entry, and where in it. */
+RND_INLINE uint32_t rnd_alias_place(const struct rnd_alias *alias, float u, float v, float *out_part)
+{
+    /* The 24 bits of one float do not reach every column of a large table: v is the bits below them. */
+    const double place = ((double)u + (double)v * 0x1p-24) * alias->count;
+    const uint32_t i = (uint32_t)place, last = alias->count - 1;
+    *out_part = (float)(place - i);
+    return i < last ? i : last;
+}
+
+RND_INLINE uint32_t rnd_alias_draw(const struct rnd_alias *alias, float u, float v)
+{
+    float part;
+    const uint32_t i = rnd_alias_place(alias, u, v, &part);
+    return part < alias->entry[i].keep ? i : alias->entry[i].other;
+}
+
+/* --- environment --- */
+
+struct rnd_env {
+    int width, height;
+    float turn;        /* what is added to u before the look-up */
+    float (*texel)[4]; /* row by row: radiance, and the density of drawing it, per steradian, times the cosine
+                          of the latitude */
+    struct rnd_alias alias; /* over the texels, by luminance and solid angle; without probabilities */
+};
+
+bool rnd_env_load(struct rnd_scene *scene, const char *path, float azimuth_deg,
+                  char out_error[RND_ERROR_SIZE]);
+
+/* The texel of a direction, its bilinear neighbours chosen by two numbers in [0,1): the mean over them is the
+ * interpolated radiance; with 1/2 and 1/2 it is the texel that the direction falls into. */
+RND_INLINE uint32_t rnd_env_texel(const struct rnd_env *env, float u, float v, float r, float s)
+{
+    const float x = u * (float)env->width - 0.5f + r, y = v * (float)env->height - 0.5f + s;
+    int32_t ix = (int32_t)floorf(x), iy = (int32_t)floorf(y);
+    ix = ix < 0 ? ix + env->width : ix;
+    ix = ix >= env->width ? ix - env->width : ix;
+    iy = iy < 0 ? 0 : iy;
+    iy = iy >= env->height ? env->height - 1 : iy;
+    return (uint32_t)(iy * env->width + ix);
+}
+
+RND_INLINE void rnd_env_to_uv(const struct rnd_env *env, struct rnd_v3 direction, float *out_u, float *out_v)
+{
+    rnd_v3_to_uv(direction, out_u, out_v);
+    const float u = *out_u + env->turn;
+    *out_u = u - floorf(u);
+}
+
+/* Direction at a place within a texel, and its density per steradian but for the choice of group. */
+RND_INLINE struct rnd_v3 rnd_env_direction(const struct rnd_env *env, uint32_t texel, float r, float s,
+                                           float *out_u, float *out_v)
+{
+    const uint32_t w = (uint32_t)env->width, row = texel / w;
+    const float u = ((float)(int32_t)(texel - row * w) + r) / (float)env->width;
+    *out_u = u;
+    *out_v = ((float)(int32_t)row + s) / (float)env->height;
+    const float turned = u - env->turn;
+    return rnd_v3_from_uv(turned - floorf(turned), *out_v);
+}
+
+/* Radiance from a direction, the texel that it falls into; and the density with which it is drawn. */
+struct rnd_v3 rnd_env_radiance(const struct rnd_env *env, struct rnd_v3 direction, float *out_pdf);
+
+/* --- sun --- */
+
+struct rnd_sun {
+    struct rnd_v3 direction; /* towards it */
+    struct rnd_v3 radiance;  /* within its disc; irradiance when it is a point */
+    float cos_radius;        /* 1: a point */
+};
+
+void rnd_sun_init(struct rnd_sun *sun, const float options[4]);
+
+/* 1 - cos of the radius: exact, since the cosine is above one half. */
+RND_INLINE float rnd_sun_cap(const struct rnd_sun *sun)
+{
+    return 1.0f - sun->cos_radius;
+}
+
+/* Within its disc, per steradian. */
+RND_INLINE float rnd_sun_pdf(const struct rnd_sun *sun)
+{
+    return 1.0f / (2.0f * (float)M_PI * rnd_sun_cap(sun));
+}
+
+/* A direction within its disc; frame is rnd_v3_frame() of its direction. */
+RND_INLINE struct rnd_v3 rnd_sun_draw(const struct rnd_sun *sun, const struct rnd_v3_frame *frame, float u,
+                                      float v)
+{
+    const float drop = u * rnd_sun_cap(sun), r = sqrtf(rnd_larger(drop * (2.0f - drop), 0.0f));
+    float sine, cosine;
+    rnd_turn(v, &sine, &cosine);
+    return rnd_v3_to_world(frame, rnd_v3(r * cosine, r * sine, 1.0f - drop));
+}
+
+/* --- emissive triangles and punctual lights --- */
+
+/* All that drawing one asks for, in one line of the cache. */
+struct rnd_area {
+    struct rnd_v3 corner, e1, e2;
+    struct rnd_v3 emission; /* but for its texture */
+    float probability;      /* of drawing it within the group */
+    uint32_t mesh, triangle;
+    uint32_t flags; /* RND_AREA_... */
+};
+enum { RND_AREA_TEXTURED = 1, RND_AREA_DOUBLE = 2 };
+
+struct rnd_punctual {
+    struct rnd_v3 position;  /* m; spot and point */
+    struct rnd_v3 direction; /* where it shines; spot and directional */
+    struct rnd_v3 intensity; /* W/sr; directional: irradiance W/m^2 */
+    enum { RND_POINT, RND_SPOT, RND_DIRECTIONAL } kind;
+    float cos_inner, cos_outer; /* spot */
+};
+
+/* --- all --- */
+
+/* Groups that a shading point chooses between before it chooses a light. */
+enum { RND_LIGHT_AREA, RND_LIGHT_ENV, RND_LIGHT_SUN, RND_LIGHT_PUNCTUAL, RND_LIGHT_GROUPS };
+
+struct rnd_lights {
+    float choose[RND_LIGHT_GROUPS]; /* probability of each group */
+    uint32_t area_count;
+    struct rnd_area *area;
+    struct rnd_alias area_alias; /* by power */
+    struct rnd_env *env;
+    struct rnd_sun *sun;
+    uint32_t punctual_count;
+    struct rnd_punctual *punctual;
+    struct rnd_alias punctual_alias;
+};
+
+/* A light seen from a point: where to look for it, what comes from there, with which density it was drawn. */
+struct rnd_light_sample {
+    struct rnd_v3 direction; /* unit, towards the light */
+    float distance;          /* INFINITY for env and sun */
+    struct rnd_v3 radiance;  /* for lights without extent, the irradiance facing it */
+    float pdf;  /* per steradian, choice of group included; for lights without extent, of the choice alone */
+    bool delta; /* no extent: cannot be hit by chance */
+};
+
+/* After the geometry: find what emits and make the tables; choose is 1 for every group that gives light. */
+bool rnd_lights_build(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE]);
+void rnd_lights_finish(struct rnd_lights *lights);
+
+/* Draw a light of a group for the point from four numbers in [0,1). False if what was drawn does not reach
+ * it. */
+bool rnd_light_draw(const struct rnd_scene *scene, int group, struct rnd_v3 point, const float u[4],
+                    struct rnd_light_sample *out);
+
+/* Emitted radiance of an emissive triangle at barycentric (u, v) towards a ray of that direction that hit it;
+ * and the density with which rnd_light_draw() would have drawn the point, seen from distance. */
+struct rnd_v3 rnd_area_emission(const struct rnd_scene *scene, const struct rnd_area *area, float u, float v);
+float rnd_area_pdf(const struct rnd_lights *lights, const struct rnd_area *area, struct rnd_v3 direction,
+                   float distance);
+
+/* Weight of a direction drawn with density pdf that another way would draw with density other (Veach 1997,
+ * power heuristic with exponent 2). */
+RND_INLINE float rnd_power_heuristic(float pdf, float other)
+{
+    const float r = other / pdf;
+    return 1.0f / (1.0f + r * r);
+}
+
+#endif

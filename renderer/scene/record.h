@@ -1,0 +1,58 @@
+/* What shading needs of a triangle, in one line of the cache: a hit reads this and none of the mesh's own
+ * arrays. */
+#ifndef FOVEAD_RENDERER_RECORD_H
+#define FOVEAD_RENDERER_RECORD_H
+
+#include "path/v3.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct rnd_scene;
+
+struct rnd_record {
+    uint32_t normal[3]; /* of the corners, octahedral: 16 bits each of two coordinates */
+    float uv[3][2];     /* of the corners, first set; 0 if the mesh has none */
+    float lod;          /* log2 of texture coordinates a metre; what a texture's size makes texels a metre */
+    uint32_t tangent;   /* along u, octahedral; its lowest bit: v grows against cross(normal, tangent) */
+    uint32_t colour[3]; /* of the corners: square roots of linear r, g, b, 10 bits each */
+    uint32_t unused[2];
+};
+
+_Static_assert(sizeof(struct rnd_record) == 64, "a record is a line of the cache");
+
+/* Make the records of all meshes, in the order of the meshes. False if memory is short. */
+bool rnd_records_build(struct rnd_scene *scene);
+
+/* Octahedral encoding (Meyer et al. 2010): good to 5e-5 rad. */
+RND_INLINE uint32_t rnd_octahedral(struct rnd_v3 n)
+{
+    const float scale = 1.0f / rnd_larger(fabsf(n.x) + fabsf(n.y) + fabsf(n.z), 1e-37f);
+    float x = n.x * scale, y = n.y * scale;
+    if (n.z < 0.0f) {
+        const float fold = (1.0f - fabsf(y)) * (x >= 0.0f ? 1.0f : -1.0f);
+        y = (1.0f - fabsf(x)) * (y >= 0.0f ? 1.0f : -1.0f);
+        x = fold;
+    }
+    const int32_t ix = (int32_t)(x * 32767.0f + 32767.5f), iy = (int32_t)(y * 32767.0f + 32767.5f);
+    return (uint32_t)ix | (uint32_t)iy << 16;
+}
+
+/* Not of unit length: its absolute coordinates sum to one. */
+RND_INLINE struct rnd_v3 rnd_octahedral_decode(uint32_t code)
+{
+    const float x = (float)(int32_t)(code & 0xffffu) * (1.0f / 32767.0f) - 1.0f,
+                y = (float)(int32_t)(code >> 16) * (1.0f / 32767.0f) - 1.0f;
+    const float z = 1.0f - fabsf(x) - fabsf(y), t = rnd_larger(-z, 0.0f);
+    return rnd_v3(x + (x >= 0.0f ? -t : t), y + (y >= 0.0f ? -t : t), z);
+}
+
+RND_INLINE struct rnd_v3 rnd_record_colour(uint32_t code)
+{
+    const float r = (float)(code & 1023u) * (1.0f / 1023.0f),
+                g = (float)(code >> 10 & 1023u) * (1.0f / 1023.0f),
+                b = (float)(code >> 20 & 1023u) * (1.0f / 1023.0f);
+    return rnd_v3(r * r, g * g, b * b);
+}
+
+#endif
