@@ -232,8 +232,8 @@ struct rnd_flip {
 #define RND_FLIP_PPD 67.020643f /* the authors' screen: 3840 pixels on 0.7 m, seen from 0.7 m */
 enum { RND_FLIP_MAX_PPD = 300, RND_FLIP_MAX_SIDE = 65536 };
 
-/* FLIP of two pictures, width x height x RGB, linear, for an eye that resolves pixels_per_degree of them (1
- * to RND_FLIP_MAX_PPD). hdr: HDR-FLIP, the worst of a range of exposures that the reference sets (Andersson
+/* FLIP of two pictures, width x height x RGB, linear, shown with pixels_per_degree (1 to RND_FLIP_MAX_PPD) to
+ * the eye. hdr: HDR-FLIP, the worst of a range of exposures that the reference sets (Andersson
  * et al. 2021), at most 24 of them; else LDR-FLIP of what a display shows of 0 to 1 (2020). It is a metric of
  * flat pictures: of a panorama compare views. out_errors (may be NULL) takes the error of each pixel, width x
  * height. False and a line in out_error for a size or a density out of range, a pixel that is not finite, or
