@@ -21,7 +21,8 @@ static float value_at(const struct rnd_pixels *pixels, size_t i)
     return pixels->bytes ? rnd_srgb_decode(pixels->bytes[i]) : pixels->floats[i];
 }
 
-float *rnd_image_read(const char *path, int *out_width, int *out_height, char out_error[RND_ERROR_SIZE])
+float *rnd_image_read(const char *path, int *out_width, int *out_height, bool *out_display,
+                      char out_error[RND_ERROR_SIZE])
 {
     struct rnd_pixels pixels;
     if (!read_pixels(path, &pixels, out_error)) return NULL;
@@ -34,6 +35,7 @@ float *rnd_image_read(const char *path, int *out_width, int *out_height, char ou
             for (size_t c = 0; c < 3; c++) rgb[3 * i + c] = value_at(&pixels, n * i + (n >= 3 ? c : 0));
         *out_width = pixels.width;
         *out_height = pixels.height;
+        if (out_display) *out_display = pixels.bytes;
     }
     rnd_pixels_finish(&pixels);
     return rgb;

@@ -209,9 +209,11 @@ bool rnd_render_save(struct rnd_render *render, const char *path, char out_error
 /* --- images
  * -------------------------------------------------------------------------------------------------- */
 
-/* An image file as width x height x RGB floats, linear (8-bit files are taken as sRGB). malloc'ed: the caller
- * frees. NULL and a line in out_error if it cannot be read or is over 1 Gi pixels. */
-float *rnd_image_read(const char *path, int *out_width, int *out_height, char out_error[RND_ERROR_SIZE]);
+/* An image file as width x height x RGB floats, linear. *out_display (may be NULL): whether it has 8 bits a
+ * channel, which are taken as sRGB. malloc'ed: the caller frees. NULL and a line in out_error if it cannot be
+ * read or is over 1 Gi pixels. */
+float *rnd_image_read(const char *path, int *out_width, int *out_height, bool *out_display,
+                      char out_error[RND_ERROR_SIZE]);
 /* The one channel of that name, width x height floats. */
 float *rnd_image_read_channel(const char *path, const char *channel, int *out_width, int *out_height,
                               char out_error[RND_ERROR_SIZE]);
@@ -234,5 +236,34 @@ bool rnd_image_view(const float *rgb, int width, int height, const float orienta
  * rad around gaze (the whole sphere if radius >= pi), weighted by solid angle. */
 double rnd_relative_rmse(const float *test, const float *reference, int width, int height,
                          const float gaze[3], float radius);
+
+/* Mean of (test - reference)^2 / (reference^2 + RND_RELATIVE_MSE_EPSILON) over count values, the channels
+ * each by itself (Rousselle et al. 2011). */
+#define RND_RELATIVE_MSE_EPSILON 0.01
+double rnd_relative_mse(const float *test, const float *reference, size_t count);
+
+/* Peak signal-to-noise ratio of count values as sRGB shows them, dB; INFINITY if no value differs. */
+double rnd_psnr(const float *test, const float *reference, size_t count);
+
+/* What FLIP found: 0 is no visible difference, 1 the largest there can be. */
+struct rnd_flip {
+    double mean;        /* the figure to quote */
+    double quartile[3]; /* each pixel counting by its error, from bins of 0.01: the second is the median */
+    double largest;
+    double start, stop; /* HDR: the first and the last exposure, stops */
+    int exposures;      /* HDR: how many; else 0 */
+};
+
+#define RND_FLIP_PPD 67.020643f /* the authors' screen: 3840 pixels on 0.7 m, seen from 0.7 m */
+enum { RND_FLIP_MAX_PPD = 300, RND_FLIP_MAX_SIDE = 65536 };
+
+/* FLIP of two pictures, width x height x RGB, linear, shown with pixels_per_degree (1 to RND_FLIP_MAX_PPD) to
+ * the eye. hdr: HDR-FLIP, the worst of a range of exposures that the reference sets (Andersson
+ * et al. 2021), at most 24 of them; else LDR-FLIP of what a display shows of 0 to 1 (2020). It is a metric of
+ * flat pictures: of a panorama compare views. out_errors (may be NULL) takes the error of each pixel, width x
+ * height. False and a line in out_error for a size or a density out of range, a pixel that is not finite, or
+ * no memory. */
+bool rnd_flip(const float *reference, const float *test, int width, int height, float pixels_per_degree,
+              bool hdr, float *out_errors, struct rnd_flip *out_flip, char out_error[RND_ERROR_SIZE]);
 
 #endif

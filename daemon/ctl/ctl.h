@@ -19,6 +19,9 @@ enum {
     CTL_EXPOSURE = 1 << 8,
     CTL_STOP = 1 << 9,
     CTL_REPLACE = 1 << 10,
+    CTL_PPD = 1 << 11,
+    CTL_LDR = 1 << 12,
+    CTL_MAP = 1 << 13,
     CTL_LOG_FORMAT = 1 << 16, /* what is told about a gaze log */
     CTL_LOG_TIME_UNIT = 1 << 17,
     CTL_LOG_FRAME = 1 << 18,
@@ -40,6 +43,9 @@ struct ctl {
     bool exposure_auto;
     double exposure; /* stops */
     const char *gaze;
+    double ppd; /* pixels a degree */
+    bool ldr;
+    const char *map;
     struct trk_log_options log;
     char **operand; /* ends with NULL */
 };
@@ -61,6 +67,7 @@ int ctl_save(const struct ctl *ctl);
 int ctl_record(const struct ctl *ctl);
 int ctl_recentre(const struct ctl *ctl);
 int ctl_samples(const struct ctl *ctl);
+int ctl_compare(const struct ctl *ctl);
 int ctl_gaze_info(const struct ctl *ctl);
 int ctl_gaze_convert(const struct ctl *ctl);
 int ctl_gaze_plot(const struct ctl *ctl);
@@ -105,6 +112,11 @@ bool ctl_read_log(const struct ctl *ctl, struct trk_log *out_log);
 /* Degrees to the right of forward, and up from the horizon, of a direction. */
 double ctl_yaw_deg(const float v[3]);
 double ctl_pitch_deg(const float v[3]);
+
+enum ctl_colours { CTL_INFERNO, CTL_MAGMA };
+
+/* The colour of a number from 0 to 1, linear Rec.709. */
+void ctl_colour(enum ctl_colours colours, float t, float out_rgb[3]);
 
 bool ctl_ends_with(const char *text, const char *end);
 

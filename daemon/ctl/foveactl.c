@@ -27,6 +27,8 @@ static const struct ctl_command COMMANDS[] = {
      CTL_DAEMON, ctl_recentre},
     {"samples", "FILE.exr OUT.png", "draw where samples went, from a file that was saved", 2, CTL_GAZE,
      ctl_samples},
+    {"compare", "REFERENCE TEST", "how different two pictures are to an eye: FLIP, relative errors, PSNR", 2,
+     CTL_JSON | CTL_PPD | CTL_LDR | CTL_MAP, ctl_compare},
     {"gaze info", "LOG", "what a gaze log holds, and what was assumed of it", 1, CTL_JSON | CTL_LOG,
      ctl_gaze_info},
     {"gaze convert", "LOG OUT", "write it as OUT: .gaze (fovead's own) or _physio.tsv.gz (BIDS)", 2, CTL_LOG,
@@ -42,7 +44,7 @@ static const char HELP[] =
     "  --connect ADDRESS       unix:PATH or tcp:HOST:PORT; default: $XDG_RUNTIME_DIR/fovead.sock, else\n"
     "                          /tmp/fovead-UID.sock. FOVEAD_TOKEN in the environment is sent along\n"
     "  --wait                  wait for the daemon to come up, a minute at most\n"
-    "  --json                  watch, stats, snapshot, gaze info: one JSON object\n"
+    "  --json                  watch, stats, snapshot, compare, gaze info: one JSON object\n"
     "  --for SECONDS           watch: so long; otherwise until the daemon ends or Ctrl-C. record: so long, "
     "and "
     "stop\n"
@@ -58,6 +60,12 @@ static const char HELP[] =
     "                          middle grey; 0. An .exr keeps the radiance as it is\n"
     "  --settle SECONDS        snapshot: wait for finer tiles once all is there; 1.5\n"
     "  --gaze LOG              samples: draw the path of this recorded gaze\n"
+    "  --ppd N                 compare: pixels a degree where the pictures are seen, 1 to 300; 67.02, a "
+    "screen at\n"
+    "                          arm's length. Headsets have 12 to 25\n"
+    "  --ldr                   compare: what a display shows (LDR-FLIP), although both files hold light "
+    "(HDR-FLIP)\n"
+    "  --map FILE.png          compare: draw where they differ: from black, no difference, to white\n"
     "  --format NAME           gaze ...: the log's format, where its content does not tell it\n"
     "  --time-unit UNIT        gaze ...: of its times: s, ms, us or ns\n"
     "  --frame XYZ             gaze ...: where its +X, +Y and +Z point: L or R, U or D, F or B\n"
@@ -76,6 +84,9 @@ static const struct option LONG[] = {
     {"settle", required_argument, NULL, 's'},
     {"exposure", required_argument, NULL, 'x'},
     {"gaze", required_argument, NULL, 'g'},
+    {"ppd", required_argument, NULL, 'P'},
+    {"ldr", no_argument, NULL, 'L'},
+    {"map", required_argument, NULL, 'M'},
     {"stop", no_argument, NULL, 'p'},
     {"replace", no_argument, NULL, 'r'},
     {"format", required_argument, NULL, 'F'},
@@ -114,6 +125,12 @@ static unsigned bit_of(int option)
         return CTL_STOP;
     case 'r':
         return CTL_REPLACE;
+    case 'P':
+        return CTL_PPD;
+    case 'L':
+        return CTL_LDR;
+    case 'M':
+        return CTL_MAP;
     case 'F':
         return CTL_LOG_FORMAT;
     case 'T':
@@ -221,6 +238,15 @@ static bool take(struct ctl *ctl, int option, const char *text)
         return ctl->stop = true;
     case 'r':
         return true;
+    case 'P':
+        if (dmn_parse_numbers(text, 1, &ctl->ppd) && ctl->ppd >= 1 && ctl->ppd <= RND_FLIP_MAX_PPD)
+            return true;
+        return ctl_fail("--ppd wants pixels a degree, 1 to %d, not '%s'", RND_FLIP_MAX_PPD, text);
+    case 'L':
+        return ctl->ldr = true;
+    case 'M':
+        ctl->map = text;
+        return true;
     case 'F':
         ctl->log.format = text;
         return true;
@@ -294,7 +320,7 @@ static bool hide_negatives(int argc, char **argv)
 
 int main(int argc, char **argv)
 {
-    struct ctl ctl = {.settle = 1.5, .width = 1280, .height = 1280};
+    struct ctl ctl = {.settle = 1.5, .width = 1280, .height = 1280, .ppd = RND_FLIP_PPD};
     const struct ctl_command *command = NULL;
     char **own = calloc((size_t)argc + 1, sizeof(*own)), error[PRO_ERROR_SIZE];
     int status = 1;

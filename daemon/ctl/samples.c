@@ -19,30 +19,6 @@ struct map {
     float *cover; /* of the line, 0 to 1 */
 };
 
-static float to_linear(float srgb)
-{
-    return srgb <= 0.04045f ? srgb / 12.92f : powf((srgb + 0.055f) / 1.055f, 2.4f);
-}
-
-/* Matplotlib's inferno (van der Walt and Smith 2015), by the polynomial of M. Zucker: perceptually even, dark
- * to bright. t from 0 to 1; linear Rec.709 out. */
-static void colour(float t, float out[3])
-{
-    static const float C[7][3] = {
-        {0.00021894f, 0.00165100f, -0.01948090f},  {0.10651342f, 0.56395644f, 3.93271239f},
-        {11.6024931f, -3.97285397f, -15.9423941f}, {-41.7039961f, 17.4363989f, 44.3541452f},
-        {77.1629357f, -33.4023589f, -81.8073093f}, {-71.3194282f, 32.6260643f, 73.2095199f},
-        {25.1311262f, -12.2426690f, -23.0703250f},
-    };
-
-    for (int c = 0; c < 3; c++) {
-        float value = 0;
-
-        for (int i = 6; i >= 0; i--) value = value * t + C[i][c];
-        out[c] = to_linear(fminf(1, fmaxf(0, value)));
-    }
-}
-
 /* Means of squares of pixels, so that the map is at most MOST_WIDTH wide; in place. Returns the largest. */
 static float shrink(float *counts, int width, int height, struct map *map)
 {
@@ -145,7 +121,7 @@ static bool draw(const struct ctl *ctl, float *counts, int width, int height, co
         ctl_fail("out of memory");
         goto end;
     }
-    for (size_t i = 0; i < pixels; i++) colour(log1pf(counts[i]) * scale, &map.rgb[3 * i]);
+    for (size_t i = 0; i < pixels; i++) ctl_colour(CTL_INFERNO, log1pf(counts[i]) * scale, &map.rgb[3 * i]);
     if (log) draw_path(&map, log);
     good = rnd_image_write(ctl->operand[1], map.width, map.height, map.rgb, true, error) ||
            ctl_fail("%s", error);

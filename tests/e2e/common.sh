@@ -105,6 +105,16 @@ refused() {
     grep -qF -e "$word" refused.err || fail "'$word' is not in the line of $*: $(cat refused.err)"
 }
 
+# near LIMIT REFERENCE TEST [OPTION...]: to an eye, two pictures are no more different than that, by the mean of FLIP.
+near() {
+    limit=$1
+    shift
+    "$foveactl" compare --json "$@" >near.json || fail "no comparison: $*"
+    mean=$(sed -n 's/^ *"mean": \([0-9.e-]*\),$/\1/p' near.json)
+    [ -n "$mean" ] || fail "no mean in near.json: $(cat near.json)"
+    awk "BEGIN {exit !($mean <= $limit)}" || fail "FLIP of $* is $mean, where at most $limit was expected"
+}
+
 # number KEY FILE: the whole number of that key in a JSON file.
 number() {
     found=$(sed -n "s/.*\"$1\": \([0-9]*\).*/\1/p" "$2")

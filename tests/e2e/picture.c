@@ -41,7 +41,7 @@ int main(int argc, char **argv)
     float *rgb;
 
     if (argc != 4 && argc != 5) return 2;
-    rgb = rnd_image_read(argv[1], &width, &height, error);
+    rgb = rnd_image_read(argv[1], &width, &height, NULL, error);
     if (!rgb) return fprintf(stderr, "%s\n", error), 1;
     if (width != atoi(argv[2]) || height != atoi(argv[3]))
         return fprintf(stderr, "%s: %dx%d\n", argv[1], width, height), 1;

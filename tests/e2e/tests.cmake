@@ -5,7 +5,7 @@ endforeach()
 target_link_libraries(e2e_hostile PRIVATE protocol)
 target_link_libraries(e2e_picture PRIVATE renderer m)
 
-foreach(name attention bad_input hostile record shutdown steer tracker until virtual)
+foreach(name attention bad_input compare hostile record shutdown steer tracker until virtual)
   add_test(NAME e2e_${name} COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/e2e/${name}.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
   set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" TIMEOUT 600 SKIP_RETURN_CODE 77)
 endforeach()

@@ -316,7 +316,7 @@ static void save(void **state)
     assert_true(rnd_render_save(render, path, error));
     assert_true(file_holds(path, "envmap"));
 
-    float *rgb = rnd_image_read(path, &width, &height, error);
+    float *rgb = rnd_image_read(path, &width, &height, NULL, error);
     assert_non_null(rgb);
     assert_int_equal(width, WIDTH);
     assert_int_equal(height, HEIGHT);

@@ -28,7 +28,7 @@ static void round_trip(void **state)
             rgb[i] = (float)fmin(v, kinds[k].largest == 1 ? 1 : v);
         }
         if (!rnd_image_write(files_path(kinds[k].name), W, H, rgb, true, error)) fail_msg("%s", error);
-        float *back = rnd_image_read(files_path(kinds[k].name), &width, &height, error);
+        float *back = rnd_image_read(files_path(kinds[k].name), &width, &height, NULL, error);
         if (!back) fail_msg("%s", error);
         assert_int_equal(width, W);
         assert_int_equal(height, H);
@@ -54,13 +54,13 @@ static void refused(void **state)
         assert_null(strchr(error, '\n'));
         assert_int_not_equal(access(files_path(unwritable[i]), F_OK), 0);
     }
-    assert_null(rnd_image_read(files_path("gone.png"), &width, &height, error));
+    assert_null(rnd_image_read(files_path("gone.png"), &width, &height, NULL, error));
     assert_non_null(strstr(error, "gone.png"));
-    assert_null(rnd_image_read(files_text("words.exr", "not a picture"), &width, &height, error));
+    assert_null(rnd_image_read(files_text("words.exr", "not a picture"), &width, &height, NULL, error));
     assert_non_null(strstr(error, "words.exr"));
     assert_null(strchr(error, '\n'));
     files_text("empty.png", "");
-    assert_null(rnd_image_read(files_path("empty.png"), &width, &height, error));
+    assert_null(rnd_image_read(files_path("empty.png"), &width, &height, NULL, error));
 }
 
 /* --- views --- */

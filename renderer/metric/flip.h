@@ -1,0 +1,20 @@
+/* What HDR-FLIP adds: which exposures a picture is looked at, and how each is shown. */
+#ifndef FOVEAD_RENDERER_FLIP_H
+#define FOVEAD_RENDERER_FLIP_H
+
+#include "renderer.h"
+
+/* One channel as a display shows it, 0 to 1 (the ACES curve by Narkowicz). The curve rises again below 0, and
+ * so does the authors' program; such light comes from resampled pictures, not from a render. */
+static inline float rnd_flip_tone(double light)
+{
+    /* Above 13 it is 1, and below -1: the bound only keeps squares finite. */
+    const float c = (float)(light > 1e4 ? 1e4 : light < -1e4 ? -1e4 : light);
+    const float shown = (c * (0.9036f * c + 0.018f)) / (c * (0.8748f * c + 0.354f) + 0.14f);
+    return shown < 0.0f ? 0.0f : shown < 1.0f ? shown : 1.0f;
+}
+
+/* Set start, stop and exposures by the reference, count x RGB. */
+void rnd_flip_exposures(const float *reference, size_t count, struct rnd_flip *out_flip);
+
+#endif
