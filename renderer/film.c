@@ -26,6 +26,18 @@ void rnd_film_finish(struct rnd_film *film)
     film->tile = NULL;
 }
 
+void rnd_film_empty(struct rnd_film_tile *tile, uint32_t generation)
+{
+    rnd_film_lock(tile);
+    if (tile->state.samples > 0) {
+        memset(tile->count, 0, sizeof tile->count);
+        memset(tile->block, 0, sizeof tile->block);
+    }
+    tile->state = (struct rnd_tile){.generation = generation};
+    tile->passed = false;
+    rnd_film_unlock(tile);
+}
+
 void rnd_film_add(const struct rnd_film *film, struct rnd_film_tile *tile, const struct rnd_sample *samples,
                   uint32_t count, const struct rnd_aim *aim, uint64_t now_ns)
 {
@@ -40,7 +52,11 @@ void rnd_film_add(const struct rnd_film *film, struct rnd_film_tile *tile, const
         float *sum = tile->half[s->number & 1][s->pixel];
         const uint32_t x = s->pixel % RND_TILE, y = s->pixel / RND_TILE;
         float *block = tile->block[y / RND_BLOCK * (RND_TILE / RND_BLOCK) + x / RND_BLOCK];
-        tile->state.unvisited -= tile->count[s->pixel]++ == 0;
+        if (tile->count[s->pixel]++ == 0) {
+            /* The half-sums are most of a film: emptying it leaves them as they were, and this is in time. */
+            for (int c = 0; c < 3; c++) tile->half[0][s->pixel][c] = tile->half[1][s->pixel][c] = 0.0f;
+            tile->state.unvisited--;
+        }
         for (int c = 0; c < 3; c++) {
             sum[c] += s->rgb[c];
             block[c] += s->rgb[c];
@@ -110,6 +126,7 @@ static void add_tile(const struct rnd_film_tile *tile, int scale, int left, int 
         for (int x = 0; x < RND_TILE; x++) {
             const int i = y * RND_TILE + x;
             float *to = sums->value[top + y / scale][left + x / scale];
+            if (tile->count[i] == 0) continue;
             for (int c = 0; c < 3; c++) to[c] += tile->half[0][i][c] + tile->half[1][i][c];
             to[3] += (float)tile->count[i];
         }
@@ -182,6 +199,7 @@ bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *
         1 << level; /* level-0 tiles a side; from level 7 on, each is less than a pixel of the sums */
     struct sums sums = {0};
     struct rnd_tile state;
+    bool mixed = false; /* part of it was emptied meanwhile */
     for (int i = 0; i < span * span; i++) {
         const int dx = i % span, dy = i / span;
         struct rnd_film_tile *tile = &film->tile[(y * span + dy) * film->across + x * span + dx];
@@ -190,10 +208,11 @@ bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *
         if (part.samples > 0) add_tile(tile, span, dx * RND_TILE / span, dy * RND_TILE / span, &sums);
         merge_state(&state, &part, i == 0);
         rnd_film_unlock(tile);
+        mixed |= part.generation != state.generation;
     }
     state.luminance /= (float)(span * span);
     if (out_state) *out_state = state;
-    return fill(&sums, out_rgb);
+    return !mixed && fill(&sums, out_rgb);
 }
 
 /* Standard error of a pixel's luminance from its halves; 0 if one is empty. */
@@ -207,20 +226,23 @@ static float pixel_error(const struct rnd_film_tile *tile, int i)
 void rnd_render_resolve(struct rnd_render *render, float *out_rgb, float *out_samples, float *out_error)
 {
     const struct rnd_film *film = &render->film;
+    pthread_mutex_lock(&render->whole);
     for (int t = 0; t < film->across * film->down; t++) {
         struct rnd_film_tile *tile = &film->tile[t];
         const int left = t % film->across * RND_TILE, top = t / film->across * RND_TILE;
         rnd_film_lock(tile);
         for (int i = 0; i < RND_TILE_PIXELS; i++) {
             const size_t to = (size_t)(top + i / RND_TILE) * film->width + left + i % RND_TILE;
-            const float scale = tile->count[i] ? 1.0f / (float)tile->count[i] : 0.0f;
+            const float n = (float)tile->count[i];
             for (int c = 0; out_rgb && c < 3; c++)
-                out_rgb[3 * to + c] = (tile->half[0][i][c] + tile->half[1][i][c]) * scale;
+                out_rgb[3 * to + c] =
+                    n > 0.0f ? (tile->half[0][i][c] + tile->half[1][i][c]) * (1.0f / n) : 0.0f;
             if (out_samples) out_samples[to] = (float)tile->count[i];
             if (out_error) out_error[to] = pixel_error(tile, i);
         }
         rnd_film_unlock(tile);
     }
+    pthread_mutex_unlock(&render->whole);
 }
 
 bool rnd_render_save(struct rnd_render *render, const char *path, char out_error[RND_ERROR_SIZE])

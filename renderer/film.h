@@ -23,7 +23,7 @@ struct rnd_film_tile {
     uint64_t next_judgement;           /* samples at which the error is worth a look */
     bool passed;                       /* the last judgement was below the bar */
     uint32_t count[RND_TILE_PIXELS];   /* paths; even ones went to half 0, odd ones to half 1 */
-    float half[2][RND_TILE_PIXELS][3]; /* sums of radiance */
+    float half[2][RND_TILE_PIXELS][3]; /* sums of radiance; without meaning where count is 0 */
     float block[RND_TILE_BLOCKS][4];   /* sums of radiance, and the count */
 };
 
@@ -42,6 +42,8 @@ struct rnd_sample {
 
 bool rnd_film_init(struct rnd_film *film, int width, int height, float error_bar);
 void rnd_film_finish(struct rnd_film *film);
+/* Take all paths out of a tile: it is as at first, but of that generation. */
+void rnd_film_empty(struct rnd_film_tile *tile, uint32_t generation);
 
 /* Add samples to a tile; aim and now_ns are what it remembers as its newest batch. */
 void rnd_film_add(const struct rnd_film *film, struct rnd_film_tile *tile, const struct rnd_sample *samples,

@@ -11,6 +11,7 @@
  * - Radiance is linear, scene-referred, Rec.709 primaries, float.
  * - Every random number is addressed by (seed, pixel, sample, dimension): the same batches give the same film
  * bit for bit, whatever the number of threads.
+ * - What is rendered changes only by rnd_render_restart(), which empties the film: a new generation of it.
  * - Errors are one line of text in a caller's buffer of RND_ERROR_SIZE bytes that names the file and the
  * cause.
  */
@@ -117,10 +118,16 @@ struct rnd_render_options {
     const struct rnd_distribution *distribution;
 };
 
-/* NULL and a line in out_error for a bad size or no memory. The scene must outlive the render. */
+/* NULL and a line in out_error for a bad size or no memory. The eye is where rnd_scene_info() says. The scene
+ * must outlive the render, or its use by it: see below. */
 struct rnd_render *rnd_render_create(const struct rnd_scene *scene, const struct rnd_render_options *options,
                                      char out_error[RND_ERROR_SIZE]);
 void rnd_render_destroy(struct rnd_render *render); /* accepts NULL */
+
+/* Empty the film and go on with this scene, which may be the same, seen from eye (m), as a render that was
+ * just created would: bit for bit. The former scene is not used any more once this returns. Not while a batch
+ * runs. Readers may read meanwhile: every tile is as it was or empty, and says by its generation which. */
+void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene, const float eye[3]);
 
 struct rnd_batch {
     uint64_t paths, rays, not_finite; /* traced in this batch; paths that counted as black because
@@ -150,6 +157,7 @@ struct rnd_tile {
     float luminance; /* mean, once the error is known */
     bool converged;  /* error below the bar at two judgements in a row, every pixel with 16 paths or more */
     uint64_t gaze_sequence, gaze_ns, aimed_ns; /* of the newest batch that reached it */
+    uint32_t generation;                       /* how often the render had been restarted before all this */
 };
 
 /* Level 0 is the film; every next level halves it, down to the last that is whole tiles. */
@@ -168,13 +176,14 @@ bool rnd_tile_settled(const struct rnd_render *render, const struct rnd_tile *ti
 
 /* Mean radiance of the tile (x, y) at a level: RND_TILE x RND_TILE x RGB floats. A pixel without a sample,
  * or one that fewer than 64 left black, takes the mean of the smallest square around it, by powers of two
- * within the tile, of which that is not so. False if the tile is empty. *out_state (may be NULL) sums up the level-0 tiles below it. */
+ * within the tile, of which that is not so. False if the tile is empty, or just being emptied. *out_state
+ * (may be NULL) sums up the level-0 tiles below it. */
 bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *out_rgb,
                      struct rnd_tile *out_state);
 
 /* The whole film, width x height: mean radiance (RGB), number of paths, and standard error of the luminance
  * from the half-buffers (0 where fewer than two paths fell). Each may be NULL. Pixels without a path are 0.
- */
+ * All of it is of one generation: a restart waits until it is read. */
 void rnd_render_resolve(struct rnd_render *render, float *out_rgb, float *out_samples, float *out_error);
 
 /* Write the film as EXR: R, G, B, "samples", "error", marked as an equirectangular environment for 360

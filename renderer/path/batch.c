@@ -135,7 +135,7 @@ static void aim_path(const struct rnd_render *render, uint32_t tile, const struc
     float u[2];
     path->seed = rnd_hash2(render->seed, 2 * pixel + (sample->number & 1));
     path->index = sample->number >> 1;
-    path->origin = rnd_vec(render->scene->info.eye);
+    path->origin = rnd_vec(render->eye);
     rnd_pair(path->seed, RND_DIMENSION_PIXEL, path->index, u);
     path->direction = rnd_from_uv(((float)x + u[0]) / (float)render->film.width,
                                   ((float)y + u[1]) / (float)render->film.height);
@@ -272,7 +272,9 @@ struct rnd_render *rnd_render_create(const struct rnd_scene *scene, const struct
     threads = threads < 1 ? 1 : threads > MAX_THREADS ? MAX_THREADS : threads;
     struct rnd_render *render = calloc(1, sizeof *render);
     if (!render) goto no_memory;
+    pthread_mutex_init(&render->whole, NULL);
     render->scene = scene;
+    memcpy(render->eye, scene->info.eye, sizeof render->eye);
     render->distribution = options->distribution;
     render->seed = rnd_hash2((uint32_t)options->seed, (uint32_t)(options->seed >> 32));
     render->workers = (int)threads;
@@ -308,5 +310,28 @@ void rnd_render_destroy(struct rnd_render *render)
     free(render->start);
     free(render->chunk);
     rnd_film_finish(&render->film);
+    pthread_mutex_destroy(&render->whole);
     free(render);
+}
+
+/* One thread's share of the tiles. */
+static void empty(void *context, int worker)
+{
+    struct rnd_render *render = context;
+    const int tiles = render->film.across * render->film.down;
+    const int first = (int)((int64_t)tiles * worker / render->workers);
+    const int end = (int)((int64_t)tiles * (worker + 1) / render->workers);
+    for (int t = first; t < end; t++) rnd_film_empty(&render->film.tile[t], render->generation);
+}
+
+void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene, const float eye[3])
+{
+    render->scene = scene;
+    memcpy(render->eye, eye, sizeof render->eye);
+    for (int i = 0; i < render->workers; i++) rnd_tracer_scene(render->worker[i].tracer, scene);
+    render->next_place = 0;
+    render->generation++;
+    pthread_mutex_lock(&render->whole);
+    rnd_pool_run(render->pool, empty, render);
+    pthread_mutex_unlock(&render->whole);
 }

@@ -40,6 +40,11 @@ void rnd_tracer_destroy(struct rnd_tracer *tracer)
     free(tracer);
 }
 
+void rnd_tracer_scene(struct rnd_tracer *tracer, const struct rnd_scene *scene)
+{
+    tracer->scene = scene;
+}
+
 /* --- rays --- */
 
 /* Find what alive paths hit, WIDTH rays at a time; Embree has a type and a function for every width. */

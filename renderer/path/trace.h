@@ -31,6 +31,8 @@ struct rnd_tracer; /* one thread's memory for waves */
 /* max_bounces 0: Russian roulette alone ends a path. NULL when memory is short. */
 struct rnd_tracer *rnd_tracer_create(const struct rnd_scene *scene, int max_bounces);
 void rnd_tracer_destroy(struct rnd_tracer *tracer); /* accepts NULL */
+/* Go on with another scene. */
+void rnd_tracer_scene(struct rnd_tracer *tracer, const struct rnd_scene *scene);
 
 /* Trace count paths (at most RND_WAVE) to their ends. The caller sets origin, direction, seed and index;
  * radiance is the answer. Neighbours should be neighbours: packets are formed in the order given. Returns the
