@@ -20,6 +20,8 @@ static const struct ctl_command COMMANDS[] = {
     {"unfreeze", "", "follow the gaze again", 0, CTL_DAEMON, ctl_unfreeze},
     {"look", "YAW,PITCH", "move the gaze there, degrees (for fovead --gaze pointer)", 1, CTL_DAEMON,
      ctl_look},
+    {"move", "X,Y,Z", "move the eye there, metres, or with --by so far; the picture begins anew", 1,
+     CTL_DAEMON | CTL_JSON | CTL_BY, ctl_move},
     {"save", "FILE.exr", "have the daemon write colour, sample counts and errors", 1, CTL_DAEMON, ctl_save},
     {"record", "[FILE]", "have the daemon record gaze samples, as a log; until record --stop", 1,
      CTL_DAEMON | CTL_FOR | CTL_STOP | CTL_REPLACE, ctl_record},
@@ -42,7 +44,7 @@ static const char HELP[] =
     "  --connect ADDRESS       unix:PATH or tcp:HOST:PORT; default: $XDG_RUNTIME_DIR/fovead.sock, else\n"
     "                          /tmp/fovead-UID.sock. FOVEAD_TOKEN in the environment is sent along\n"
     "  --wait                  wait for the daemon to come up, a minute at most\n"
-    "  --json                  watch, stats, snapshot, gaze info: one JSON object\n"
+    "  --json                  watch, stats, snapshot, move, gaze info: one JSON object\n"
     "  --for SECONDS           watch: so long; otherwise until the daemon ends or Ctrl-C. record: so long, "
     "and "
     "stop\n"
@@ -57,6 +59,9 @@ static const char HELP[] =
     "half below\n"
     "                          middle grey; 0. An .exr keeps the radiance as it is\n"
     "  --settle SECONDS        snapshot: wait for finer tiles once all is there; 1.5\n"
+    "  --by                    move: so far to the right, up and backward (the axes of the scene) from where "
+    "the\n"
+    "                          eye is\n"
     "  --gaze LOG              samples: draw the path of this recorded gaze\n"
     "  --format NAME           gaze ...: the log's format, where its content does not tell it\n"
     "  --time-unit UNIT        gaze ...: of its times: s, ms, us or ns\n"
@@ -78,6 +83,7 @@ static const struct option LONG[] = {
     {"gaze", required_argument, NULL, 'g'},
     {"stop", no_argument, NULL, 'p'},
     {"replace", no_argument, NULL, 'r'},
+    {"by", no_argument, NULL, 'b'},
     {"format", required_argument, NULL, 'F'},
     {"time-unit", required_argument, NULL, 'T'},
     {"frame", required_argument, NULL, 'R'},
@@ -114,6 +120,8 @@ static unsigned bit_of(int option)
         return CTL_STOP;
     case 'r':
         return CTL_REPLACE;
+    case 'b':
+        return CTL_BY;
     case 'F':
         return CTL_LOG_FORMAT;
     case 'T':
@@ -220,6 +228,7 @@ static bool take(struct ctl *ctl, int option, const char *text)
     case 'p':
         return ctl->stop = true;
     case 'r':
+    case 'b':
         return true;
     case 'F':
         ctl->log.format = text;
