@@ -25,7 +25,8 @@
 enum {
     DMN_MAX_LISTEN = 8,
     DMN_MAX_LEVELS = 16,
-    DMN_OUTLINE_PATHS = 16, /* paths that rnd_render_outline() leaves in a tile of the film */
+    DMN_OUTLINE_PATHS = 16,  /* paths that rnd_render_outline() leaves in a tile of the film */
+    DMN_FARTHEST = 10000000, /* m, of the eye from the origin along each axis: beyond, floats skip metres */
 };
 
 /* --- numbers and directions
@@ -40,6 +41,9 @@ bool dmn_parse_numbers(const char *text, int count, double *out_numbers);
 bool dmn_parse_whole(const char *text, uint64_t low, uint64_t high, uint64_t *out_number);
 /* "WxH"; *out_height is 0 if only "W" was given. Both from 1 to 65536. */
 bool dmn_parse_size(const char *text, int *out_width, int *out_height);
+
+/* Is it a place where the eye can be? */
+bool dmn_eye_is_somewhere(const float eye[3]);
 
 /* Azimuth (right of -Z) and elevation, deg. */
 void dmn_angles(const float direction[3], double *out_yaw_deg, double *out_pitch_deg);
@@ -79,6 +83,7 @@ double dmn_until_share(const struct dmn_until *until, const struct dmn_progress 
 
 struct dmn_options {
     struct rnd_scene_options scene;
+    bool watch; /* take up edits of the scene's files */
     struct rnd_render_options render;
     const char *gaze; /* NULL: no source; samples are not steered */
     double speed;

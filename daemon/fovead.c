@@ -38,7 +38,6 @@ struct daemon {
     struct dmn_options options;
     struct rnd_scene *scene;
     struct dmn_common common;
-    char scene_line[1024];
     struct dmn_listener listener[DMN_MAX_LISTEN];
     int listeners;
     struct dmn_loop *loop;
@@ -87,13 +86,13 @@ static bool load(struct daemon *daemon)
     common->options = options;
     common->gaze = dmn_gaze_open(options, error);
     if (!common->gaze) return fail(error);
+    if (options->watch && !(common->edits = dmn_edits_create(&options->scene, error))) return fail(error);
     daemon->scene = rnd_scene_load(&options->scene, error);
     if (!daemon->scene) return fail(error);
     common->render = rnd_render_create(daemon->scene, &options->render, error);
     if (!common->render) return fail(error);
-    dmn_report_scene(rnd_scene_info(daemon->scene), options->scene.path, daemon->scene_line,
-                     sizeof(daemon->scene_line));
-    common->scene_line = daemon->scene_line;
+    dmn_report_scene(rnd_scene_info(daemon->scene), options->scene.path, common->words.line,
+                     sizeof(common->words.line));
     if (!dmn_pyramid_init(&common->pyramid, options->render.width, options->render.height,
                           rnd_render_levels(common->render)))
         return fail("out of memory");
@@ -123,10 +122,8 @@ static void print_start(const struct daemon *daemon)
     char address[PRO_ERROR_SIZE];
 
     dmn_gaze_state(daemon->common.gaze, &gaze);
-    if (*info->unsupported)
-        fprintf(stderr, "fovead: %s asks for what is left out here: %s\n", options->scene.path,
-                info->unsupported);
-    fprintf(daemon->out, "scene    %s\n", daemon->scene_line);
+    dmn_report_left_out(info, options->scene.path);
+    fprintf(daemon->out, "scene    %s\n", daemon->common.words.line);
     fprintf(daemon->out, "eye      %.4g,%.4g,%.4g m\n", info->eye[0], info->eye[1], info->eye[2]);
     fprintf(daemon->out, "gaze     %s\n", gaze.source.description);
     if (*gaze.recording) fprintf(daemon->out, "records  %s\n", gaze.recording);
@@ -173,6 +170,7 @@ static bool start(struct daemon *daemon)
     struct dmn_painter_options painter = {
         .render = common->render,
         .gaze = common->gaze,
+        .scene = daemon->scene,
         .pixels = (uint64_t)daemon->options.render.width * (uint64_t)daemon->options.render.height,
         .tiles = (uint32_t)(level->columns * level->rows),
         .until = daemon->options.until,
@@ -195,6 +193,16 @@ static bool start(struct daemon *daemon)
     return true;
 }
 
+/* After print_start(), which tells of the scene as it was at first. */
+static bool start_edits(struct daemon *daemon)
+{
+    struct dmn_common *common = &daemon->common;
+    struct dmn_edits_options options = {common->painter, &daemon->scene, &common->words,
+                                        daemon->out,     dmn_loop_wake,  daemon->loop};
+
+    return !common->edits || dmn_edits_start(common->edits, &options) || fail("no thread can be made");
+}
+
 /* Stop every thread and part from every client; the film is then complete and still. */
 static void stop(struct daemon *daemon, struct dmn_work *out_work)
 {
@@ -206,6 +214,7 @@ static void stop(struct daemon *daemon, struct dmn_work *out_work)
         dmn_painter_work(common->painter, out_work);
         dmn_loop_look(daemon->loop);
     }
+    dmn_edits_stop(common->edits);
     if (common->gaze) dmn_gaze_stop(common->gaze);
     dmn_saver_destroy(common->saver);
     dmn_loop_destroy(daemon->loop);
@@ -258,11 +267,15 @@ int main(int argc, char **argv)
            start(&daemon);
     if (good) {
         print_start(&daemon);
+        good = start_edits(&daemon);
+    }
+    if (good) {
         notify("READY=1");
         dmn_loop_run(daemon.loop);
     }
     stop(&daemon, &work);
     if (good) good = finish(&daemon, &work);
+    dmn_edits_destroy(daemon.common.edits);
     dmn_painter_destroy(daemon.common.painter);
     dmn_gaze_close(daemon.common.gaze);
     dmn_pyramid_finish(&daemon.common.pyramid);

@@ -1,4 +1,5 @@
 /* Sockets, timers and sessions on one thread. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -52,6 +53,19 @@ static void ask_to_write(struct dmn_loop *loop)
         if (dmn_session_wants(peer->session)) lws_callback_on_writable(peer->wsi);
 }
 
+/* A picture that is just being emptied is empty. Returns its generation, from 1. */
+static uint64_t drop_old(struct rnd_tile *tiles, size_t count)
+{
+    uint32_t newest = 0;
+
+    for (size_t i = 0; i < count; i++)
+        if (tiles[i].generation > newest) newest = tiles[i].generation;
+    for (size_t i = 0; i < count; i++)
+        if (tiles[i].generation != newest)
+            tiles[i] = (struct rnd_tile){.unvisited = RND_TILE * RND_TILE, .error = INFINITY};
+    return (uint64_t)newest + 1;
+}
+
 static void look(struct dmn_loop *loop)
 {
     struct dmn_common *common = loop->common;
@@ -63,6 +77,7 @@ static void look(struct dmn_loop *loop)
     dmn_gaze_aim(common->gaze, &aim);
     memcpy(common->direction, aim.gaze, sizeof(common->direction));
     rnd_render_tiles(common->render, loop->tiles);
+    common->generation = drop_old(loop->tiles, count);
     common->visited = common->converged = common->settled = 0;
     for (size_t i = 0; i < count; i++) {
         const struct rnd_tile *tile = &loop->tiles[i];
@@ -141,6 +156,7 @@ static void on_wake(struct dmn_loop *loop)
     while (dmn_saver_take(loop->common->saver, &save))
         for (struct peer *peer = loop->peers; peer; peer = peer->next)
             if (dmn_session_number(peer->session) == save.client) dmn_session_saved(peer->session, &save);
+    if (loop->common->edits) dmn_edits_words(loop->common->edits, &loop->common->words);
     dmn_painter_work(loop->common->painter, &work);
     if (work.done) loop->stop = true;
     if (loop->peers && work.batches != loop->painted) look_soon(loop);

@@ -60,6 +60,13 @@ bool dmn_parse_size(const char *text, int *out_width, int *out_height)
     return true;
 }
 
+bool dmn_eye_is_somewhere(const float eye[3])
+{
+    for (int i = 0; i < 3; i++)
+        if (!(fabsf(eye[i]) <= DMN_FARTHEST)) return false;
+    return true;
+}
+
 void dmn_angles(const float direction[3], double *out_yaw_deg, double *out_pitch_deg)
 {
     *out_yaw_deg = atan2(direction[0], -direction[2]) * 180 / M_PI;

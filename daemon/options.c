@@ -22,7 +22,12 @@ static const char HELP[] =
     "that\n"
     "                          faces it, angular diameter in degrees (the real one: 0.53)\n"
     "  --eye X,Y,Z             where the eye is, m; otherwise the file's first camera, else the scene's "
-    "middle\n"
+    "middle;\n"
+    "                          foveactl move takes it elsewhere\n"
+    "  --watch                 read the scene again whenever its file changes, the --env, or a file that the "
+    "scene\n"
+    "                          names in its folder or the folders in that; if it cannot be read, the picture "
+    "stays\n"
     "  --size WxH | W          film in pixels; W a multiple of 128, up to 32768, H half of it; 4096x2048\n"
     "  --bounces N             longest path; 0, the default: Russian roulette alone ends a path\n"
     "  --seed N                of all random numbers; 0\n"
@@ -70,7 +75,10 @@ static const char HELP_REST[] =
     "converged:\n"
     "                          every tile is (needs --mode od); end: the gaze recording has ended. Without "
     "it\n"
-    "                          fovead runs until SIGINT or SIGTERM\n"
+    "                          fovead runs until SIGINT or SIGTERM. A picture that begins anew, for a move "
+    "or "
+    "an\n"
+    "                          edit, is counted anew\n"
     "  --save FILE.exr         at the end write colour, sample count and error channels\n"
     "  --json                  the summary as one JSON object, alone on stdout; all else goes to stderr\n"
     "  --clock real|virtual    virtual: recorded time passes by 5 ms a batch of 4096 paths, however long "
@@ -135,8 +143,11 @@ static bool take_eye(struct parser *p, const char *text)
 {
     double n[3];
 
-    if (!dmn_parse_numbers(text, 3, n)) return refuse("--eye wants X,Y,Z, not '%s'", text);
-    for (int i = 0; i < 3; i++) p->out->scene.eye[i] = (float)n[i];
+    bool good = dmn_parse_numbers(text, 3, n);
+
+    for (int i = 0; good && i < 3; i++) p->out->scene.eye[i] = (float)n[i];
+    if (!good || !dmn_eye_is_somewhere(p->out->scene.eye))
+        return refuse("--eye wants X,Y,Z, each %d m at most, not '%s'", DMN_FARTHEST, text);
     return p->out->scene.has_eye = true;
 }
 
@@ -194,20 +205,35 @@ static bool take_whole(const char *name, const char *text, uint64_t low, uint64_
 }
 
 static const struct option LONG[] = {
-    {"scene", required_argument, NULL, 's'},  {"env", required_argument, NULL, 'e'},
-    {"sun", required_argument, NULL, 'u'},    {"eye", required_argument, NULL, 'y'},
-    {"size", required_argument, NULL, 'z'},   {"bounces", required_argument, NULL, 'b'},
-    {"seed", required_argument, NULL, 'd'},   {"threads", required_argument, NULL, 't'},
-    {"gaze", required_argument, NULL, 'g'},   {"list-trackers", no_argument, NULL, 'L'},
-    {"screen", required_argument, NULL, 'S'}, {"calibration", required_argument, NULL, 'C'},
-    {"raw-gaze", no_argument, NULL, 'W'},     {"predict", no_argument, NULL, 'P'},
-    {"record", required_argument, NULL, 'R'}, {"replace", no_argument, NULL, 'r'},
-    {"speed", required_argument, NULL, 'p'},  {"loop", no_argument, NULL, 'o'},
-    {"mode", required_argument, NULL, 'm'},   {"fov", required_argument, NULL, 'f'},
-    {"listen", required_argument, NULL, 'l'}, {"until", required_argument, NULL, 'n'},
-    {"save", required_argument, NULL, 'a'},   {"json", no_argument, NULL, 'j'},
-    {"clock", required_argument, NULL, 'c'},  {"help", no_argument, NULL, 'h'},
-    {"version", no_argument, NULL, 'v'},      {0},
+    {"scene", required_argument, NULL, 's'},
+    {"env", required_argument, NULL, 'e'},
+    {"sun", required_argument, NULL, 'u'},
+    {"eye", required_argument, NULL, 'y'},
+    {"watch", no_argument, NULL, 'w'},
+    {"size", required_argument, NULL, 'z'},
+    {"bounces", required_argument, NULL, 'b'},
+    {"seed", required_argument, NULL, 'd'},
+    {"threads", required_argument, NULL, 't'},
+    {"gaze", required_argument, NULL, 'g'},
+    {"list-trackers", no_argument, NULL, 'L'},
+    {"screen", required_argument, NULL, 'S'},
+    {"calibration", required_argument, NULL, 'C'},
+    {"raw-gaze", no_argument, NULL, 'W'},
+    {"predict", no_argument, NULL, 'P'},
+    {"record", required_argument, NULL, 'R'},
+    {"replace", no_argument, NULL, 'r'},
+    {"speed", required_argument, NULL, 'p'},
+    {"loop", no_argument, NULL, 'o'},
+    {"mode", required_argument, NULL, 'm'},
+    {"fov", required_argument, NULL, 'f'},
+    {"listen", required_argument, NULL, 'l'},
+    {"until", required_argument, NULL, 'n'},
+    {"save", required_argument, NULL, 'a'},
+    {"json", no_argument, NULL, 'j'},
+    {"clock", required_argument, NULL, 'c'},
+    {"help", no_argument, NULL, 'h'},
+    {"version", no_argument, NULL, 'v'},
+    {0},
 };
 
 static bool take(struct parser *p, int option, const char *text)
@@ -228,6 +254,8 @@ static bool take(struct parser *p, int option, const char *text)
         return take_sun(p, text);
     case 'y':
         return take_eye(p, text);
+    case 'w':
+        return out->watch = true;
     case 'z':
         return take_size(p, text);
     case 'b':
@@ -333,6 +361,7 @@ static bool settle(struct parser *p)
     if (out->until.kind == DMN_UNTIL_END && endless)
         return refuse("%s has no end to wait for: use another --until", out->loop ? "--loop" : out->gaze);
     if (!settle_gaze(p)) return false;
+    if (out->watch && out->virtual_clock) return refuse("--watch needs the real clock");
     if (p->has_fov && strcmp(p->mode, "vp")) return refuse("--fov needs --mode vp");
     if (!out->listens && out->until.kind == DMN_UNTIL_STOPPED) return take_listen(p, NULL);
     return true;

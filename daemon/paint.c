@@ -33,8 +33,12 @@ struct dmn_painter {
     uint64_t gaze_ns, aimed_ns; /* of the aim: when its gaze arrived, when the first batch with it began */
     uint32_t converged;
 
-    pthread_mutex_t lock;
-    struct dmn_work work;
+    pthread_mutex_t lock; /* of all that follows */
+    struct dmn_work work; /* written by the painter's thread alone, which reads it without the lock */
+    bool due, moved;      /* a new generation is; the eye is where a client wants it */
+    float eye[3];         /* of the generation that is due, or else of the present one */
+    struct rnd_scene *next, *former; /* waits to be taken, or NULL; was given up for the one that was */
+    pthread_cond_t changed;          /* next has been taken, or will not be any more */
 };
 
 /* When the first batch of this aim began: now_ns, if this is it. How long gaze took to get here is measured
@@ -129,6 +133,38 @@ static uint32_t next_paths(const struct dmn_painter *painter, uint32_t paths, co
     return paths;
 }
 
+/* Begin a new generation, if one is due. */
+static bool restart(struct dmn_painter *painter)
+{
+    struct dmn_work *work = &painter->work;
+    struct rnd_scene *next;
+    bool due;
+
+    pthread_mutex_lock(&painter->lock);
+    due = painter->due;
+    next = painter->next;
+    if (due) {
+        painter->due = false;
+        work->generation++;
+        work->paths = work->rays = work->not_finite = 0;
+        work->seconds = work->share = 0;
+        memcpy(work->eye, painter->eye, sizeof(work->eye));
+    }
+    pthread_mutex_unlock(&painter->lock);
+    if (!due) return false;
+    painter->began_ns = dmn_now_ns();
+    painter->converged = 0;
+    rnd_render_restart(painter->options.render, next ? next : painter->options.scene, work->eye);
+    if (!next) return true;
+    pthread_mutex_lock(&painter->lock);
+    painter->former = painter->options.scene;
+    painter->options.scene = next;
+    painter->next = NULL;
+    pthread_cond_broadcast(&painter->changed);
+    pthread_mutex_unlock(&painter->lock);
+    return true;
+}
+
 static void *paint(void *argument)
 {
     struct dmn_painter *painter = argument;
@@ -136,13 +172,14 @@ static void *paint(void *argument)
     uint64_t virtual_ns = 0;
     uint32_t paths = FIRST_PATHS;
     struct rnd_batch batch = {0};
-    bool done = false;
+    bool done = false, first = true;
 
     painter->began_ns = painter->lately.since_ns = dmn_now_ns();
-    for (bool first = true; !done && !atomic_load(&painter->stop); first = false) {
+    for (; !done && !atomic_load(&painter->stop); first = false) {
         struct rnd_aim aim;
         uint64_t aimed_ns;
 
+        first |= restart(painter);
         if (options->virtual_clock) dmn_gaze_advance(options->gaze, virtual_ns);
         dmn_gaze_aim(options->gaze, &aim);
         aimed_ns = first_aimed_ns(painter, &aim, options->virtual_clock ? virtual_ns : dmn_now_ns());
@@ -158,6 +195,7 @@ static void *paint(void *argument)
     }
     pthread_mutex_lock(&painter->lock);
     painter->work.done = true;
+    pthread_cond_broadcast(&painter->changed);
     pthread_mutex_unlock(&painter->lock);
     options->wake(options->context);
     return NULL;
@@ -169,7 +207,11 @@ struct dmn_painter *dmn_painter_start(const struct dmn_painter_options *options)
 
     if (!painter) return NULL;
     painter->options = *options;
+    painter->work.generation = 1;
+    memcpy(painter->eye, rnd_scene_info(options->scene)->eye, sizeof(painter->eye));
+    memcpy(painter->work.eye, painter->eye, sizeof(painter->work.eye));
     pthread_mutex_init(&painter->lock, NULL);
+    pthread_cond_init(&painter->changed, NULL);
     painter->tiles = calloc(options->tiles, sizeof(*painter->tiles));
     painter->started = painter->tiles && !pthread_create(&painter->thread, NULL, paint, painter);
     if (!painter->started) {
@@ -183,8 +225,48 @@ void dmn_painter_work(struct dmn_painter *painter, struct dmn_work *out_work)
 {
     pthread_mutex_lock(&painter->lock);
     *out_work = painter->work;
+    out_work->asked = out_work->generation + painter->due;
     pthread_mutex_unlock(&painter->lock);
     if (!painter->options.virtual_clock) out_work->now_ns = dmn_now_ns();
+}
+
+uint64_t dmn_painter_move(struct dmn_painter *painter, const float eye[3], bool relative, float out_eye[3])
+{
+    uint64_t generation = 0;
+
+    pthread_mutex_lock(&painter->lock);
+    for (int i = 0; i < 3; i++) out_eye[i] = eye[i] + (relative ? painter->eye[i] : 0);
+    if (dmn_eye_is_somewhere(out_eye)) {
+        memcpy(painter->eye, out_eye, sizeof(painter->eye));
+        painter->due = painter->moved = true;
+        generation = painter->work.generation + 1;
+    }
+    pthread_mutex_unlock(&painter->lock);
+    return generation;
+}
+
+bool dmn_painter_moved(struct dmn_painter *painter, float out_eye[3])
+{
+    bool moved;
+
+    pthread_mutex_lock(&painter->lock);
+    moved = painter->moved;
+    memcpy(out_eye, painter->eye, sizeof(painter->eye));
+    pthread_mutex_unlock(&painter->lock);
+    return moved;
+}
+
+struct rnd_scene *dmn_painter_replace(struct dmn_painter *painter, struct rnd_scene *scene)
+{
+    pthread_mutex_lock(&painter->lock);
+    painter->next = scene;
+    painter->due = true;
+    if (!painter->moved) memcpy(painter->eye, rnd_scene_info(scene)->eye, sizeof(painter->eye));
+    while (painter->next && !painter->work.done) pthread_cond_wait(&painter->changed, &painter->lock);
+    if (!painter->next) scene = painter->former;
+    painter->next = NULL;
+    pthread_mutex_unlock(&painter->lock);
+    return scene;
 }
 
 void dmn_painter_stop(struct dmn_painter *painter)
@@ -200,6 +282,7 @@ void dmn_painter_destroy(struct dmn_painter *painter)
     if (!painter) return;
     dmn_painter_stop(painter);
     free(painter->tiles);
+    pthread_cond_destroy(&painter->changed);
     pthread_mutex_destroy(&painter->lock);
     free(painter);
 }

@@ -1,4 +1,5 @@
-/* paint: the thread that adds batch after batch of paths to the film. */
+/* paint: the thread that adds batch after batch of paths to the film. Between two of them it takes up what
+ * has been asked for meanwhile: another place for the eye, another scene. Either begins a new generation. */
 #ifndef FOVEAD_DAEMON_PAINT_H
 #define FOVEAD_DAEMON_PAINT_H
 
@@ -9,6 +10,7 @@ struct dmn_painter;
 struct dmn_painter_options {
     struct rnd_render *render; /* these two must outlive the painter */
     struct dmn_gaze *gaze;
+    struct rnd_scene *scene; /* of the render */
     uint64_t pixels; /* of the film */
     uint32_t tiles;  /* of its finest level */
     struct dmn_until until;
@@ -18,10 +20,13 @@ struct dmn_painter_options {
     void *context;
 };
 
-/* How far the picture is. */
+/* How far the picture is; of the present generation, but for batches. */
 struct dmn_work {
+    uint64_t generation; /* from 1 */
+    uint64_t asked;      /* the newest one asked for: generation, or the next */
+    float eye[3];        /* m */
     uint64_t paths, rays, batches, not_finite;
-    double seconds;                              /* since painting began; until it ended, if it has */
+    double seconds;                              /* since it began; until painting ended, if it has */
     double paths_per_second;                     /* lately */
     double batch_seconds, gaze_to_batch_seconds; /* medians, lately; 0 before known */
     double share;                                /* of what --until asks, 0 to 1 */
@@ -33,6 +38,18 @@ struct dmn_work {
 struct dmn_painter *dmn_painter_start(const struct dmn_painter_options *options);
 /* Any thread may ask. */
 void dmn_painter_work(struct dmn_painter *painter, struct dmn_work *out_work);
+
+/* The eye goes to a place (m), or by so much from where it is or was told to go; any thread may ask. The
+ * newest of several before the next batch wins. Returns the generation that this begins, and where the eye is
+ * then; 0 if that would be nowhere. */
+uint64_t dmn_painter_move(struct dmn_painter *painter, const float eye[3], bool relative, float out_eye[3]);
+/* Has the eye been moved so? Then where to. */
+bool dmn_painter_moved(struct dmn_painter *painter, float out_eye[3]);
+/* Go on with another scene, and unless it has been moved with that scene's eye. Waits until it is in use. One
+ * thread at a time. Returns the scene that is not in use any more: the former one, or if painting has ended
+ * the new one. */
+struct rnd_scene *dmn_painter_replace(struct dmn_painter *painter, struct rnd_scene *scene);
+
 /* Finish the batch under way and end the thread. */
 void dmn_painter_stop(struct dmn_painter *painter);
 void dmn_painter_destroy(struct dmn_painter *painter); /* accepts NULL; stops */

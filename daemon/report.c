@@ -23,6 +23,12 @@ void dmn_report_scene(const struct rnd_scene_info *info, const char *path, char 
              info->build_seconds);
 }
 
+void dmn_report_left_out(const struct rnd_scene_info *info, const char *path)
+{
+    if (*info->unsupported)
+        fprintf(stderr, "fovead: %s asks for what is left out here: %s\n", path, info->unsupported);
+}
+
 /* Seconds as people read them. */
 static void print_time(double seconds, char *out, size_t size)
 {

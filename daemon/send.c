@@ -29,17 +29,19 @@ static uint8_t *welcome(struct dmn_session *session, size_t *out_count)
     const struct dmn_common *common = session->common;
     Fovea__Welcome welcome = FOVEA__WELCOME__INIT;
     struct dmn_gaze_state state;
+    struct dmn_work work;
 
     session->welcome_due = false;
     dmn_gaze_state(common->gaze, &state);
+    dmn_painter_work(common->painter, &work);
     welcome.version = PRO_VERSION;
     welcome.server = "fovead " FOVEAD_VERSION;
     welcome.width = (uint32_t)common->options->render.width;
     welcome.height = (uint32_t)common->options->render.height;
     welcome.tile_size = RND_TILE;
     welcome.levels = (uint32_t)common->pyramid.levels;
-    welcome.generation = 1;
-    welcome.scene = (char *)common->scene_line;
+    welcome.generation = work.asked;
+    welcome.scene = (char *)common->words.line;
     welcome.gaze_source = state.source.description;
     welcome.distribution = (char *)common->options->render.distribution->name;
     welcome.frozen = state.frozen;
@@ -58,6 +60,9 @@ static uint8_t *answer(struct dmn_session *session, size_t *out_count)
         done.request = reply->request;
         done.ok = reply->good;
         done.text = reply->text;
+        done.generation = reply->generation;
+        done.n_eye = reply->generation ? 3 : 0;
+        done.eye = reply->eye;
         return pack(session, FOVEA__MESSAGE__BODY_DONE, &done, out_count);
     } else {
         Fovea__Pong pong = FOVEA__PONG__INIT;
@@ -124,6 +129,11 @@ static uint8_t *stats(struct dmn_session *session, size_t *out_count)
     stats.gaze_source = state.source.description;
     stats.recording = state.recording;
     stats.recorded = state.recorded;
+    stats.generation = work.generation;
+    stats.n_eye = 3;
+    stats.eye = work.eye;
+    stats.scene = (char *)common->words.line;
+    stats.refused = (char *)common->words.refused;
     tracker.present = state.source.present;
     tracker.connections = state.source.connections;
     tracker.losses = state.source.losses;
@@ -145,6 +155,9 @@ static const struct dmn_place *next_place(struct dmn_session *session)
 
     if (!session->sent || session->serial - session->acknowledged >= session->window) return NULL;
     if (session->plan_version != common->version) {
+        if (session->generation != common->generation)
+            memset(session->sent, 0, common->pyramid.count * sizeof(*session->sent));
+        session->generation = common->generation;
         session->planned =
             dmn_next(&common->pyramid, session->sent, common->direction, DMN_PLAN, session->plan);
         session->next = 0;
@@ -163,11 +176,13 @@ static uint8_t *tile(struct dmn_session *session, const struct dmn_place *place,
 
     session->next++;
     if (!rnd_render_read(session->common->render, place->level, place->x, place->y, rgb, &state)) return NULL;
+    /* The plan, and what is known of the tile, are of the picture before this one. */
+    if (state.generation + 1 != session->generation) return NULL;
     tile.data.data = pro_encode(session->encoding, rgb, RND_TILE, &tile.data.len);
     if (!tile.data.data) return NULL;
     session->sent[place->index] = (struct dmn_state){state.samples, known->converged, known->settled};
     tile.serial = ++session->serial;
-    tile.generation = 1;
+    tile.generation = session->generation;
     tile.level = (uint32_t)place->level;
     tile.x = (uint32_t)place->x;
     tile.y = (uint32_t)place->y;

@@ -224,6 +224,30 @@ static bool take_recentre(struct dmn_session *session, const Fovea__Recentre *re
     return ask(session, &job, out_error);
 }
 
+static bool take_move(struct dmn_session *session, const Fovea__Move *move, char out_error[PRO_ERROR_SIZE])
+{
+    struct dmn_reply answer;
+    float eye[3];
+    uint64_t generation;
+
+    if (move->n_eye != 3 || !dmn_eye_is_somewhere(move->eye)) return fail(out_error, "a move to nowhere");
+    if (session->common->options->virtual_clock)
+        return reply(session,
+                     done(move->request, false,
+                          "the eye stays: under the virtual clock a picture does not depend on clients"),
+                     out_error);
+    generation = dmn_painter_move(session->common->painter, move->eye, move->relative, eye);
+    if (!generation)
+        return reply(session,
+                     done(move->request, false, "the eye stays within %d m of the origin", DMN_FARTHEST),
+                     out_error);
+    answer = done(move->request, true, "generation %llu, eye %.6g,%.6g,%.6g m",
+                  (unsigned long long)generation, eye[0], eye[1], eye[2]);
+    answer.generation = generation;
+    memcpy(answer.eye, eye, sizeof(answer.eye));
+    return reply(session, answer, out_error);
+}
+
 void dmn_session_saved(struct dmn_session *session, const struct dmn_save *save)
 {
     char error[PRO_ERROR_SIZE];
@@ -260,6 +284,8 @@ static bool take_message(struct dmn_session *session, const Fovea__Message *mess
         return take_record(session, message->record, out_error);
     case FOVEA__MESSAGE__BODY_RECENTRE:
         return take_recentre(session, message->recentre, out_error);
+    case FOVEA__MESSAGE__BODY_MOVE:
+        return take_move(session, message->move, out_error);
     case FOVEA__MESSAGE__BODY_PING:
         return reply(session, (struct dmn_reply){.client_ns = message->ping->client_ns}, out_error);
     default:

@@ -7,6 +7,7 @@
 #ifndef FOVEAD_DAEMON_SESSION_H
 #define FOVEAD_DAEMON_SESSION_H
 
+#include "edits.h"
 #include "gaze.h"
 #include "paint.h"
 #include "saver.h"
@@ -18,9 +19,11 @@ struct dmn_common {
     struct dmn_painter *painter;
     struct dmn_saver *saver;
     const struct dmn_options *options;
-    const char *scene_line; /* for Welcome */
+    struct dmn_edits *edits; /* NULL: the scene's files are not watched */
+    struct dmn_scene_words words;
 
     struct dmn_pyramid pyramid;
+    uint64_t generation;                  /* of what the pyramid tells */
     uint64_t version;                     /* of the pyramid: counts its updates */
     uint32_t visited, converged, settled; /* tiles of level 0 */
     float direction[3];                   /* that samples are aimed at */

@@ -14,6 +14,8 @@ struct dmn_reply {
     bool is_done, good;
     uint32_t request;
     uint64_t client_ns;
+    uint64_t generation; /* of a move; 0: it is none, and there is no eye */
+    float eye[3];
     char text[DMN_TEXT_SIZE];
 };
 
@@ -35,6 +37,7 @@ struct dmn_session {
 
     uint64_t serial, acknowledged;
     struct dmn_state *sent; /* what each tile was when it was sent; NULL if no tiles are wanted */
+    uint64_t generation;    /* that they were of */
     struct dmn_place plan[DMN_PLAN];
     size_t planned, next;
     uint64_t plan_version; /* of the pyramid that the plan was made from */

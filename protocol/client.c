@@ -203,6 +203,14 @@ static bool take_gaze(struct pro_client *client, const Fovea__Gaze *gaze, char o
            pro_fail(out_error, "%s sent a gaze of no direction", client->name);
 }
 
+/* Where the eye is, if the daemon says. */
+static bool check_eye(const struct pro_client *client, const float *eye, size_t count,
+                      char out_error[PRO_ERROR_SIZE])
+{
+    return ((count == 0 || count == 3) && all_finite(eye, count)) ||
+           pro_fail(out_error, "%s sent an eye that is nowhere", client->name);
+}
+
 /* What this side makes of a message. Only Welcome, or Done instead of it, comes first, and only once. */
 static bool take(struct pro_client *client, const Fovea__Message *message, char out_error[PRO_ERROR_SIZE])
 {
@@ -213,7 +221,7 @@ static bool take(struct pro_client *client, const Fovea__Message *message, char 
         return take_welcome(client, message->welcome, out_error);
     case FOVEA__MESSAGE__BODY_DONE:
         pro_clean(message->done->text);
-        if (welcomed) return true;
+        if (welcomed) return check_eye(client, message->done->eye, message->done->n_eye, out_error);
         return pro_fail(out_error, "%s refused: %s", client->name, message->done->text);
     case FOVEA__MESSAGE__BODY_TILE:
         if (!welcomed) break;
@@ -229,7 +237,9 @@ static bool take(struct pro_client *client, const Fovea__Message *message, char 
         if (!welcomed) break;
         pro_clean(message->stats->gaze_source);
         pro_clean(message->stats->recording);
-        return true;
+        pro_clean(message->stats->scene);
+        pro_clean(message->stats->refused);
+        return check_eye(client, message->stats->eye, message->stats->n_eye, out_error);
     default:
         break;
     }

@@ -136,6 +136,11 @@ int rnd_render_threads(const struct rnd_render *render);
  * runs. Readers may read meanwhile: every tile is as it was or empty, and says by its generation which. */
 void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene, const float eye[3]);
 
+/* Empty the film and go on with this scene, which may be the same, seen from eye (m), as a render that was
+ * just created would: bit for bit. The former scene is not used any more once this returns. Not while a batch
+ * runs. Readers may read meanwhile: every tile is as it was or empty, and says by its generation which. */
+void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene, const float eye[3]);
+
 struct rnd_batch {
     uint64_t paths, rays, not_finite; /* traced in this batch; paths that counted as black because
                                          their radiance was not finite */

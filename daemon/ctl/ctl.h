@@ -22,6 +22,7 @@ enum {
     CTL_PPD = 1 << 11,
     CTL_LDR = 1 << 12,
     CTL_MAP = 1 << 13,
+    CTL_BY = 1 << 14,
     CTL_LOG_FORMAT = 1 << 16, /* what is told about a gaze log */
     CTL_LOG_TIME_UNIT = 1 << 17,
     CTL_LOG_FRAME = 1 << 18,
@@ -63,6 +64,7 @@ int ctl_stats(const struct ctl *ctl);
 int ctl_freeze(const struct ctl *ctl);
 int ctl_unfreeze(const struct ctl *ctl);
 int ctl_look(const struct ctl *ctl);
+int ctl_move(const struct ctl *ctl);
 int ctl_save(const struct ctl *ctl);
 int ctl_record(const struct ctl *ctl);
 int ctl_recentre(const struct ctl *ctl);
@@ -99,11 +101,14 @@ void ctl_tracker_line(const Fovea__Tracker *tracker, char *out_line, size_t size
 /* The same; it may be NULL; a new reference. */
 json_t *ctl_tracker_json(const Fovea__Tracker *tracker);
 
+/* Where the eye is, m; null if count, of its numbers, is 0; a new reference. */
+json_t *ctl_eye_json(const float *eye, size_t count);
+
 /* Keys of the terminal, as they are pressed, from now until the end, or exit(). False if there is no
  * terminal. */
 bool ctl_keys_begin(void);
 void ctl_keys_end(void);
-char ctl_key(void); /* '\0': none */
+char ctl_key(void); /* '\0': none; an arrow: the letter that lies so, w, a, s or d */
 
 /* The log that the first operand names, by what the options say of it; false after a line on stderr. The
  * caller frees it. */

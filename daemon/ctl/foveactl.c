@@ -20,6 +20,8 @@ static const struct ctl_command COMMANDS[] = {
     {"unfreeze", "", "follow the gaze again", 0, CTL_DAEMON, ctl_unfreeze},
     {"look", "YAW,PITCH", "move the gaze there, degrees (for fovead --gaze pointer)", 1, CTL_DAEMON,
      ctl_look},
+    {"move", "X,Y,Z", "move the eye there, metres, or with --by so far; the picture begins anew", 1,
+     CTL_DAEMON | CTL_JSON | CTL_BY, ctl_move},
     {"save", "FILE.exr", "have the daemon write colour, sample counts and errors", 1, CTL_DAEMON, ctl_save},
     {"record", "[FILE]", "have the daemon record gaze samples, as a log; until record --stop", 1,
      CTL_DAEMON | CTL_FOR | CTL_STOP | CTL_REPLACE, ctl_record},
@@ -44,7 +46,7 @@ static const char HELP[] =
     "  --connect ADDRESS       unix:PATH or tcp:HOST:PORT; default: $XDG_RUNTIME_DIR/fovead.sock, else\n"
     "                          /tmp/fovead-UID.sock. FOVEAD_TOKEN in the environment is sent along\n"
     "  --wait                  wait for the daemon to come up, a minute at most\n"
-    "  --json                  watch, stats, snapshot, compare, gaze info: one JSON object\n"
+    "  --json                  watch, stats, snapshot, move, compare, gaze info: one JSON object\n"
     "  --for SECONDS           watch: so long; otherwise until the daemon ends or Ctrl-C. record: so long, "
     "and "
     "stop\n"
@@ -59,6 +61,9 @@ static const char HELP[] =
     "half below\n"
     "                          middle grey; 0. An .exr keeps the radiance as it is\n"
     "  --settle SECONDS        snapshot: wait for finer tiles once all is there; 1.5\n"
+    "  --by                    move: so far to the right, up and backward (the axes of the scene) from where "
+    "the\n"
+    "                          eye is\n"
     "  --gaze LOG              samples: draw the path of this recorded gaze\n"
     "  --ppd N                 compare: pixels a degree where the pictures are seen, 1 to 300; 67.02, a "
     "screen at\n"
@@ -89,6 +94,7 @@ static const struct option LONG[] = {
     {"map", required_argument, NULL, 'M'},
     {"stop", no_argument, NULL, 'p'},
     {"replace", no_argument, NULL, 'r'},
+    {"by", no_argument, NULL, 'b'},
     {"format", required_argument, NULL, 'F'},
     {"time-unit", required_argument, NULL, 'T'},
     {"frame", required_argument, NULL, 'R'},
@@ -131,6 +137,8 @@ static unsigned bit_of(int option)
         return CTL_LDR;
     case 'M':
         return CTL_MAP;
+    case 'b':
+        return CTL_BY;
     case 'F':
         return CTL_LOG_FORMAT;
     case 'T':
@@ -237,6 +245,7 @@ static bool take(struct ctl *ctl, int option, const char *text)
     case 'p':
         return ctl->stop = true;
     case 'r':
+    case 'b':
         return true;
     case 'P':
         if (dmn_parse_numbers(text, 1, &ctl->ppd) && ctl->ppd >= 1 && ctl->ppd <= RND_FLIP_MAX_PPD)

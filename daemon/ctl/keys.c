@@ -1,5 +1,6 @@
 /* Single keys from a terminal, as they are pressed and not shown. */
 #include <stdlib.h>
+#include <string.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -34,9 +35,22 @@ void ctl_keys_end(void)
     restore();
 }
 
+/* An arrow comes as three bytes: escape, '[' or 'O', and a letter. */
+static char arrow(void)
+{
+    static const char LETTER[] = "ABCD", MEANS[] = "wsda";
+    const char *at = NULL;
+    char rest[2];
+
+    if (read(STDIN_FILENO, rest, 2) == 2 && (rest[0] == '[' || rest[0] == 'O') && rest[1])
+        at = strchr(LETTER, rest[1]);
+    return at ? MEANS[at - LETTER] : '\0';
+}
+
 char ctl_key(void)
 {
     char key;
 
-    return changed && read(STDIN_FILENO, &key, 1) == 1 ? key : '\0';
+    if (!changed || read(STDIN_FILENO, &key, 1) != 1) return '\0';
+    return key == '\033' ? arrow() : key;
 }

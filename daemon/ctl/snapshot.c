@@ -21,7 +21,7 @@ struct snapshot {
     struct pro_client *client;
     bool has_gaze;
     float gaze[3];
-    uint64_t tiles;
+    uint64_t tiles, generation;
     double coverage;
 };
 
@@ -58,6 +58,11 @@ static bool gather(struct snapshot *snapshot)
         if (result == PRO_MESSAGE && message->body_case == FOVEA__MESSAGE__BODY_TILE) {
             heard_ns = now_ns;
             snapshot->tiles++;
+            /* What was there is gone: the eye has moved, or the scene was edited. */
+            if (message->tile->generation > snapshot->generation) {
+                snapshot->generation = message->tile->generation;
+                whole_ns = looked_ns = 0;
+            }
         }
         /* Before the first sample there is an aim, but nobody looks there. */
         if (result == PRO_MESSAGE && message->body_case == FOVEA__MESSAGE__BODY_GAZE &&

@@ -7,7 +7,12 @@
 
 static void print_table(const Fovea__Welcome *welcome, const Fovea__Stats *s)
 {
-    printf("daemon    %s\nscene     %s\ngaze      %s\n", welcome->server, welcome->scene, s->gaze_source);
+    printf("daemon    %s\nscene     %s\n", welcome->server, s->scene);
+    if (*s->refused) printf("          the last edit was not taken: %s\n", s->refused);
+    if (s->n_eye)
+        printf("eye       %.6g,%.6g,%.6g m, generation %llu\n", s->eye[0], s->eye[1], s->eye[2],
+               (unsigned long long)s->generation);
+    printf("gaze      %s\n", s->gaze_source);
     printf("          %llu samples, %llu valid%s%s\n", (unsigned long long)s->gaze_samples,
            (unsigned long long)s->gaze_valid, s->frozen ? ", frozen" : "", s->finished ? ", finished" : "");
     if (s->tracker) {
@@ -45,20 +50,27 @@ json_t *ctl_tracker_json(const Fovea__Tracker *t)
                      "has_clock", t->has_clock, "jitter_ms", t->jitter_ms, "drift_ppm", t->drift_ppm);
 }
 
+json_t *ctl_eye_json(const float *eye, size_t count)
+{
+    return count == 3 ? json_pack("[f,f,f]", eye[0], eye[1], eye[2]) : json_null();
+}
+
 static void print_json(const Fovea__Welcome *welcome, const Fovea__Stats *s)
 {
     json_t *object = json_pack(
-        "{s:s, s:s, s:s, s:o, s:s, s:I, s:s, s:[I,I], s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:b, "
-        "s:b, s:f, s:f, s:I}",
-        "daemon", welcome->server, "scene", welcome->scene, "gaze", s->gaze_source, "tracker",
-        ctl_tracker_json(s->tracker), "recording", s->recording, "recorded", (json_int_t)s->recorded, "mode",
-        welcome->distribution, "size", (json_int_t)welcome->width, (json_int_t)welcome->height, "paths",
-        (json_int_t)s->samples, "paths_per_second", s->samples_per_second, "rays", (json_int_t)s->rays,
-        "not_finite", (json_int_t)s->not_finite, "tiles", (json_int_t)s->tiles, "tiles_visited",
-        (json_int_t)s->tiles_visited, "tiles_converged", (json_int_t)s->tiles_converged, "tiles_settled",
-        (json_int_t)s->tiles_settled, "gaze_samples", (json_int_t)s->gaze_samples, "gaze_valid",
-        (json_int_t)s->gaze_valid, "frozen", s->frozen, "finished", s->finished, "batch_ms", s->batch_ms,
-        "gaze_to_batch_ms", s->gaze_to_batch_ms, "clients", (json_int_t)s->clients);
+        "{s:s, s:s, s:s, s:o, s:I, s:s, s:o, s:s, s:I, s:s, s:[I,I], s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:I, "
+        "s:I, s:I, s:b, s:b, s:f, s:f, s:I}",
+        "daemon", welcome->server, "scene", s->scene, "refused", s->refused, "eye",
+        ctl_eye_json(s->eye, s->n_eye), "generation", (json_int_t)s->generation, "gaze", s->gaze_source,
+        "tracker", ctl_tracker_json(s->tracker), "recording", s->recording, "recorded",
+        (json_int_t)s->recorded, "mode", welcome->distribution, "size", (json_int_t)welcome->width,
+        (json_int_t)welcome->height, "paths", (json_int_t)s->samples, "paths_per_second",
+        s->samples_per_second, "rays", (json_int_t)s->rays, "not_finite", (json_int_t)s->not_finite, "tiles",
+        (json_int_t)s->tiles, "tiles_visited", (json_int_t)s->tiles_visited, "tiles_converged",
+        (json_int_t)s->tiles_converged, "tiles_settled", (json_int_t)s->tiles_settled, "gaze_samples",
+        (json_int_t)s->gaze_samples, "gaze_valid", (json_int_t)s->gaze_valid, "frozen", s->frozen, "finished",
+        s->finished, "batch_ms", s->batch_ms, "gaze_to_batch_ms", s->gaze_to_batch_ms, "clients",
+        (json_int_t)s->clients);
 
     if (object) json_dumpf(object, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
     if (object) putchar('\n');

@@ -15,6 +15,9 @@
 /* Between two drawings: on a terminal, and as plain lines. */
 static const uint64_t REDRAW_NS = 200000000, LINE_NS = 1000000000;
 
+/* How far a key moves the eye, m. */
+static const float STEP = 0.25f;
+
 /* Stages on the way from a gaze sample to the client's screen. */
 enum { TO_BATCH, TO_ENCODED, TO_RECEIVED, IN_ALL, STAGES };
 
@@ -34,7 +37,8 @@ struct watch {
     Fovea__Tracker tracker;
     bool has_stats, has_tracker, has_gaze;
     char gaze_source[TRK_ERROR_SIZE], recording[1024], answer[1024]; /* to the last key */
-    float direction[3], spread;
+    char scene[1024], refused[RND_ERROR_SIZE];
+    float direction[3], spread, eye[3];
     char state[32], source[32], why[80];
     uint64_t states[TRK_FROZEN + 1]; /* how often Gaze had it */
 
@@ -90,6 +94,9 @@ static void take_stats(struct watch *watch, const Fovea__Stats *stats)
     if (stats->tracker) watch->tracker = *stats->tracker;
     snprintf(watch->gaze_source, sizeof(watch->gaze_source), "%s", stats->gaze_source);
     snprintf(watch->recording, sizeof(watch->recording), "%s", stats->recording);
+    snprintf(watch->scene, sizeof(watch->scene), "%s", stats->scene);
+    snprintf(watch->refused, sizeof(watch->refused), "%s", stats->refused);
+    if (stats->n_eye) memcpy(watch->eye, stats->eye, sizeof(watch->eye));
 }
 
 static void take(struct watch *watch, const Fovea__Message *message)
@@ -192,6 +199,9 @@ static void draw_table(struct watch *watch)
     if (watch->lines) printf("\033[%dA\033[J", watch->lines);
     watch->lines = 0;
     row(watch, "time      %.1f s", (double)(watch->drawn_ns - watch->began_ns) * 1e-9);
+    if (*watch->refused) row(watch, "scene     the last edit was not taken: %s", watch->refused);
+    row(watch, "eye       %.4g,%.4g,%.4g m, generation %llu", watch->eye[0], watch->eye[1], watch->eye[2],
+        (unsigned long long)s->generation);
     row(watch, "paths     %.4g M, %.2f M/s, %.4g M rays", (double)s->samples * 1e-6,
         s->samples_per_second * 1e-6, (double)s->rays * 1e-6);
     row(watch, "tiles     %u: %u visited, %u converged, %u settled", s->tiles, s->tiles_visited,
@@ -208,7 +218,9 @@ static void draw_table(struct watch *watch)
             dmn_histogram_quantile(&watch->stage[i], 0.5) * 1e3,
             dmn_histogram_quantile(&watch->stage[i], 0.95) * 1e3,
             dmn_histogram_quantile(&watch->stage[i], 0.99) * 1e3);
-    if (watch->keys) row(watch, "keys      f %s, c recentre, q quit", s->frozen ? "unfreeze" : "freeze");
+    if (watch->keys)
+        row(watch, "keys      f %s, c recentre, w a s d or arrows move the eye, q quit",
+            s->frozen ? "unfreeze" : "freeze");
     if (*watch->answer) row(watch, "          %s", watch->answer);
     fflush(stdout);
 }
@@ -265,13 +277,15 @@ static void print_json(const struct watch *watch, double seconds)
     dmn_angles(watch->direction, &yaw, &pitch);
     pro_clock(watch->client, &round_trip_ns, &offset_ns);
     object = json_pack(
-        "{s:f, s:s, s:s, s:s, s:[I,I], s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:b, "
+        "{s:f, s:s, s:s, s:o, s:I, s:s, s:s, s:[I,I], s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:b, "
         "s:b, s:[f,f], s:s, s:s, s:s, s:f, s:o, s:o, s:s, s:I, s:I, s:I, "
         "s:f, s:f, s:f, s:o}",
-        "seconds", seconds, "scene", welcome->scene, "gaze", watch->gaze_source, "mode",
-        welcome->distribution, "size", (json_int_t)welcome->width, (json_int_t)welcome->height, "paths",
-        (json_int_t)s->samples, "paths_per_second", s->samples_per_second, "rays", (json_int_t)s->rays,
-        "not_finite", (json_int_t)s->not_finite, "tiles", (json_int_t)s->tiles, "tiles_visited",
+        "seconds", seconds, "scene", watch->has_stats ? watch->scene : welcome->scene, "refused",
+        watch->refused, "eye", ctl_eye_json(watch->eye, watch->stats.n_eye), "generation",
+        (json_int_t)s->generation, "gaze", watch->gaze_source, "mode", welcome->distribution, "size",
+        (json_int_t)welcome->width, (json_int_t)welcome->height, "paths", (json_int_t)s->samples,
+        "paths_per_second", s->samples_per_second, "rays", (json_int_t)s->rays, "not_finite",
+        (json_int_t)s->not_finite, "tiles", (json_int_t)s->tiles, "tiles_visited",
         (json_int_t)s->tiles_visited, "tiles_converged", (json_int_t)s->tiles_converged, "tiles_settled",
         (json_int_t)s->tiles_settled, "gaze_samples", (json_int_t)s->gaze_samples, "gaze_valid",
         (json_int_t)s->gaze_valid, "frozen", s->frozen, "finished", s->finished, "gaze_deg", yaw, pitch,
@@ -286,24 +300,46 @@ static void print_json(const struct watch *watch, double seconds)
     json_decref(object);
 }
 
-/* f, c or q; false after q. */
+/* Along the gaze, or level and square to it. */
+static void step(const struct watch *watch, char key, float out_by[3])
+{
+    const float *d = watch->direction, level = hypotf(d[0], d[2]);
+    const float ahead = key == 'w' ? STEP : key == 's' ? -STEP : 0;
+    const float right = key == 'd' ? STEP : key == 'a' ? -STEP : 0;
+
+    for (int i = 0; i < 3; i++) out_by[i] = ahead * d[i];
+    if (level < 1e-3f) return; /* straight up or down nothing is to the right */
+    out_by[0] -= right * d[2] / level;
+    out_by[2] += right * d[0] / level;
+}
+
+/* f, c, w, a, s, d or q; false after q. */
 static bool press(struct watch *watch, char key)
 {
+    Fovea__Move move = FOVEA__MOVE__INIT;
+    float by[3];
     Fovea__Message message = FOVEA__MESSAGE__INIT;
     Fovea__Recentre recentre = FOVEA__RECENTRE__INIT;
     Fovea__Freeze freeze = FOVEA__FREEZE__INIT;
     char error[PRO_ERROR_SIZE];
 
     if (key == 'q') return false;
-    if (key != 'f' && key != 'c') return true;
+    if (!key || !strchr("fcwasd", key)) return true;
     watch->answer[0] = '\0';
     if (key == 'f') {
         freeze.frozen = watch->stats.frozen = !watch->stats.frozen;
         message.body_case = FOVEA__MESSAGE__BODY_FREEZE;
         message.freeze = &freeze;
-    } else {
+    } else if (key == 'c') {
         message.body_case = FOVEA__MESSAGE__BODY_RECENTRE;
         message.recentre = &recentre;
+    } else {
+        step(watch, key, by);
+        move.n_eye = 3;
+        move.eye = by;
+        move.relative = true;
+        message.body_case = FOVEA__MESSAGE__BODY_MOVE;
+        message.move = &move;
     }
     /* A connection that has broken is told when more is read from it. */
     (void)pro_send(watch->client, &message, error);

@@ -1,6 +1,7 @@
 /* A client that misbehaves in one way, named by its argument, and then waits for what the daemon does about
  * it. Status 0 if that is right: dropped, or for a deaf client kept. */
 #include <errno.h>
+#include <math.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -124,12 +125,14 @@ static int wrong(int fd, const char *how)
     Fovea__Welcome welcome = FOVEA__WELCOME__INIT;
     Fovea__View view = FOVEA__VIEW__INIT;
     Fovea__Recentre recentre = FOVEA__RECENTRE__INIT;
-    float nothing[4] = {0, 0, 0, 0};
+    Fovea__Move move = FOVEA__MOVE__INIT;
+    float nothing[4] = {0, 0, 0, 0}, eye[3] = {0, 1.6f, !strcmp(how, "nan") ? NAN : 3e38f};
 
     if (!strcmp(how, "version")) hello(fd, FOVEA__ENCODING__ENCODING_NONE, 99);
     if (!strcmp(how, "encoding")) hello(fd, (Fovea__Encoding)77, PRO_VERSION);
     if (!strcmp(how, "half") || !strcmp(how, "serial") || !strcmp(how, "welcome") || !strcmp(how, "view") ||
-        !strcmp(how, "recentre") || !strcmp(how, "nowhere"))
+        !strcmp(how, "recentre") || !strcmp(how, "nowhere") || !strcmp(how, "nan") || !strcmp(how, "far") ||
+        !strcmp(how, "flat"))
         hello(fd, FOVEA__ENCODING__ENCODING_NONE, PRO_VERSION);
     acknowledge.serial = 1000000;
     if (!strcmp(how, "serial") || !strcmp(how, "early"))
@@ -143,6 +146,11 @@ static int wrong(int fd, const char *how)
     recentre.n_direction = !strcmp(how, "recentre") ? 4 : 3;
     if (!strcmp(how, "recentre") || !strcmp(how, "nowhere"))
         say(fd, FOVEA__MESSAGE__BODY_RECENTRE, &recentre);
+    move.eye = eye;
+    move.n_eye = !strcmp(how, "flat") ? 2 : 3;
+    move.relative = !strcmp(how, "far");
+    if (!strcmp(how, "nan") || !strcmp(how, "far") || !strcmp(how, "flat"))
+        say(fd, FOVEA__MESSAGE__BODY_MOVE, &move);
     if (!strcmp(how, "half")) put(fd, "\0\0\0\100half", 8);
     return dropped(fd); /* "silent" has said nothing at all */
 }

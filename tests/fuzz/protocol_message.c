@@ -57,6 +57,7 @@ static size_t valid_stream(uint8_t *out, size_t room)
     Fovea__Stats stats = FOVEA__STATS__INIT;
     Fovea__Tracker tracker = FOVEA__TRACKER__INIT;
     Fovea__Done done = FOVEA__DONE__INIT;
+    Fovea__Move move = FOVEA__MOVE__INIT;
     Fovea__Tile tile = FOVEA__TILE__INIT;
     float numbers[4] = {0, 0, -1, 0}, rgb[TILE * TILE * 3];
     hello.client = "fuzz";
@@ -70,7 +71,10 @@ static size_t valid_stream(uint8_t *out, size_t room)
     stats.gaze_source = "fuzz";
     stats.tracker = &tracker;
     stats.samples = stats.rays = UINT64_MAX;
+    stats.scene = stats.refused = "fuzz";
     done.text = "done";
+    move.n_eye = done.n_eye = stats.n_eye = 3;
+    move.eye = done.eye = stats.eye = numbers;
     for (int i = 0; i < TILE * TILE * 3; i++) rgb[i] = (float)(i % 10) / 10;
     struct {
         Fovea__Message__BodyCase kind;
@@ -78,7 +82,8 @@ static size_t valid_stream(uint8_t *out, size_t room)
     } messages[] = {
         {FOVEA__MESSAGE__BODY_HELLO, &hello}, {FOVEA__MESSAGE__BODY_GAZE, &gaze},
         {FOVEA__MESSAGE__BODY_STATS, &stats}, {FOVEA__MESSAGE__BODY_DONE, &done},
-        {FOVEA__MESSAGE__BODY_TILE, &tile},   {FOVEA__MESSAGE__BODY_TILE, &tile},
+        {FOVEA__MESSAGE__BODY_MOVE, &move},   {FOVEA__MESSAGE__BODY_TILE, &tile},
+        {FOVEA__MESSAGE__BODY_TILE, &tile},
     };
     size_t used = 0;
     tile.encoding = FOVEA__ENCODING__ENCODING_HALF_ZSTD;

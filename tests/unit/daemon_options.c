@@ -63,6 +63,7 @@ static void defaults(void **state)
     assert_int_equal(o.render.height, 2048);
     assert_string_equal(o.gaze, "auto");
     assert_string_equal(o.render.distribution->name, "fv");
+    assert_false(o.watch);
     assert_int_equal(o.listens, 1);
     assert_true(o.listen[0].is_unix);
     assert_int_equal(o.until.kind, DMN_UNTIL_STOPPED);
@@ -101,8 +102,9 @@ static void everything_said(void **state)
     run("--scene a.obj --env e.hdr --sun -30,45.5,3,0.53 --eye -1,2,3.5 --gaze replay:g --speed 2 --loop "
         "--mode vp "
         "--fov 90,80 --size 1024x512 --threads 3 --seed 18446744073709551615 --bounces 7 --listen unix:/a/b "
-        "--listen tcp:127.0.0.1:9 --json",
+        "--listen tcp:127.0.0.1:9 --json --watch",
         &o);
+    assert_true(o.watch);
     assert_string_equal(o.scene.env_path, "e.hdr");
     assert_true(o.scene.has_sun && o.scene.sun[0] == -30 && o.scene.sun[1] == 45.5f &&
                 o.scene.sun[3] == 0.53f);
@@ -159,6 +161,10 @@ static void refused_with_one_line(void **state)
         "--scene a --eye 1,2",
         "--scene a --eye 1,2,3,4",
         "--scene a --eye 1,,3",
+        "--scene a --eye 1,2,1e8",
+        "--scene a --eye 1e39,2,3",
+        "--scene a --watch=1",
+        "--scene a --watch --clock virtual --gaze replay:x",
         "--scene a --threads 0",
         "--scene a --threads -1",
         "--scene a --threads 1e3",
@@ -230,6 +236,24 @@ static void done(void **state)
     assert_true(dmn_until_share(&(struct dmn_until){0}, &p) == 0);
 }
 
+static void places(void **state)
+{
+    static const float SOMEWHERE[][3] = {{0, 0, 0}, {-0.f, 1e-30f, 1.6f}, {1e7f, -1e7f, 1e7f}};
+
+    (void)state;
+    for (int i = 0; i < 3; i++) assert_true(dmn_eye_is_somewhere(SOMEWHERE[i]));
+    for (int i = 0; i < 3; i++) {
+        static const float NOWHERE[] = {NAN, INFINITY, -INFINITY, 1.1e7f, -1.1e7f, 3e38f};
+
+        for (int k = 0; k < 6; k++) {
+            float eye[3] = {1, 2, 3};
+
+            eye[i] = NOWHERE[k];
+            assert_false(dmn_eye_is_somewhere(eye));
+        }
+    }
+}
+
 static void directions(void **state)
 {
     static const double ANGLES[][2] = {{0, 0}, {90, 0}, {-120, 45}, {30, -80}, {179, 10}};
@@ -282,6 +306,7 @@ int main(void)
         cmocka_unit_test(gaze),
         cmocka_unit_test(refused_with_one_line),
         cmocka_unit_test(done),
+        cmocka_unit_test(places),
         cmocka_unit_test(directions),
         cmocka_unit_test(percentiles),
     };

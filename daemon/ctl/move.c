@@ -1,0 +1,76 @@
+/* foveactl move: the eye goes elsewhere; says which generation of the picture that begins, and how soon its
+ * first tile was here. */
+#include <stdio.h>
+
+#include "ctl.h"
+
+/* The next tile of that generation or a newer one, when it has come; false after a line on stderr. */
+static bool await_tile(struct pro_client *client, uint64_t generation)
+{
+    for (;;) {
+        Fovea__Message *message = ctl_await(client, FOVEA__MESSAGE__BODY_TILE, 30);
+        bool there;
+
+        if (!message) return false;
+        there = message->tile->generation >= generation;
+        fovea__message__free_unpacked(message, NULL);
+        if (there) return true;
+    }
+}
+
+static bool tell(const struct ctl *ctl, struct pro_client *client, const Fovea__Message *message)
+{
+    uint64_t sent_ns = dmn_now_ns();
+    char error[PRO_ERROR_SIZE];
+    Fovea__Message *answer;
+    bool good;
+
+    if (!pro_send(client, message, error)) return ctl_fail("%s", error);
+    if (!(answer = ctl_await(client, FOVEA__MESSAGE__BODY_DONE, 30))) return false;
+    good = answer->done->ok || ctl_fail("%s", answer->done->text);
+    if (good && (good = await_tile(client, answer->done->generation))) {
+        double passed_ms = (double)(dmn_now_ns() - sent_ns) * 1e-6;
+
+        if (ctl->json) {
+            json_t *object =
+                json_pack("{s:I, s:o, s:f}", "generation", (json_int_t)answer->done->generation, "eye",
+                          ctl_eye_json(answer->done->eye, answer->done->n_eye), "first_tile_ms", passed_ms);
+
+            if (object) json_dumpf(object, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+            if (object) putchar('\n');
+            json_decref(object);
+        } else {
+            printf("%s; first tile after %.1f ms\n", answer->done->text, passed_ms);
+        }
+    }
+    fovea__message__free_unpacked(answer, NULL);
+    return good;
+}
+
+int ctl_move(const struct ctl *ctl)
+{
+    Fovea__Message message = FOVEA__MESSAGE__INIT;
+    Fovea__Move move = FOVEA__MOVE__INIT;
+    struct pro_client *client;
+    double number[3];
+    float eye[3] = {0};
+    bool good = dmn_parse_numbers(ctl->operand[0], 3, number);
+
+    for (int i = 0; good && i < 3; i++) eye[i] = (float)number[i];
+    if (!good || !dmn_eye_is_somewhere(eye)) {
+        ctl_fail("move wants X,Y,Z in metres, each %d at most, not '%s'", DMN_FARTHEST, ctl->operand[0]);
+        return 2;
+    }
+    /* Only the first tile counts: the small encoding does. */
+    client = ctl_connect(ctl, FOVEA__ENCODING__ENCODING_JPEG, false, false);
+    if (!client) return 1;
+    move.request = 1;
+    move.n_eye = 3;
+    move.eye = eye;
+    move.relative = ctl->given & CTL_BY;
+    message.body_case = FOVEA__MESSAGE__BODY_MOVE;
+    message.move = &move;
+    good = tell(ctl, client, &message);
+    pro_disconnect(client);
+    return good ? 0 : 1;
+}
