@@ -1,6 +1,7 @@
 # Programs among fake eye trackers: sh umockdev.sh PROGRAMS SOURCE WHAT, where PROGRAMS is the build directory and WHAT one
 # of the names at the end. Exit code 77: umockdev is missing.
 set -eu
+. "$(dirname "$0")/../room.sh"
 programs=$1
 source=$2
 what=$3
@@ -35,41 +36,6 @@ value() { sed -n "s/.*\\<$1=\\([0-9.]*\\).*/\\1/p" out; }
 at_least() { [ "$(value "$1" | cut -d. -f1)" -ge "$2" ] || fail "$1=$(value "$1"), expected $2 or more"; }
 is() { [ "$(value "$1")" = "$2" ] || fail "$1=$(value "$1"), expected $2"; }
 says() { grep -q "$1" err || fail "nobody said '$1'"; }
-
-# Two boxes' worth of triangles and a lamp, to render while the tracker streams.
-make_room() {
-    cat >room.mtl <<'END'
-newmtl wall
-Kd 0.6 0.6 0.6
-newmtl lamp
-Kd 0 0 0
-Ke 12 12 12
-END
-    cat >room.obj <<'END'
-mtllib room.mtl
-v -2 -2 -2
-v 2 -2 -2
-v 2 2 -2
-v -2 2 -2
-v -2 -2 2
-v 2 -2 2
-v 2 2 2
-v -2 2 2
-v -0.5 1.99 -0.5
-v 0.5 1.99 -0.5
-v 0.5 1.99 0.5
-v -0.5 1.99 0.5
-usemtl wall
-f 1 2 3 4
-f 5 8 7 6
-f 1 5 6 2
-f 1 4 8 5
-f 2 6 7 3
-f 4 3 7 8
-usemtl lamp
-f 9 10 11 12
-END
-}
 
 case $what in
 hid)
