@@ -57,6 +57,12 @@ hid)
     grep -q 'FAIL: /dev/hidraw0 (Fovea Test Tracker): report descriptor, byte 38' out || fail "$(cat out)"
     run broken hid run wait:1 end -- "$probe" hid 30
     at_least valid 200
+    # What it reports of its status between reports of gaze is told, and that it no longer is so.
+    run unready run wait:2 end -- "$probe" hid 30
+    at_least valid 500
+    is gaps 0
+    says '500 Hz; it asks for the user to be calibrated'
+    tail -n 2 err | grep -q '500 Hz \[heap' || fail "it is ready, and nobody says so: $(cat err)"
     # A tracker that is slower, at a rate of its own.
     run hid:60 run wait:2 end -- "$probe" hid 30
     at_least valid 80
