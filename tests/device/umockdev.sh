@@ -107,10 +107,20 @@ list)
     grep -q 'PlayStation VR2 (054c:0cde)' out || fail 'no PlayStation VR2 in the list'
     if [ "$(id -u)" = 0 ] && setpriv --reuid 65534 --regid 65534 --clear-groups test -x "$programs/fovead" 2>/dev/null; then
         chmod 755 "$place"
-        run hid -- sh -c 'chmod -R a+rX "$UMOCKDEV_DIR"; exec setpriv --reuid 65534 --regid 65534 --clear-groups "$@"' sh \
-            "$programs/fovead" --list-trackers
-        grep -q 'problem.*Permission denied; install 70-fovead.rules.*deed:feed' out || fail 'no advice on permissions'
+        # libusb wants to write in the bed, for uevents; the devices themselves stay root's.
+        run hid psvr2 -- sh -c 'chmod -R a+rwX "$UMOCKDEV_DIR"; exec setpriv --reuid 65534 --regid 65534 --clear-groups "$@"' \
+            sh "$programs/fovead" --list-trackers
+        for tracker in 'Permission denied.*deed:feed' 'PlayStation VR2): Access denied'; do
+            grep 'problem.*install 70-fovead.rules' out | grep -q "$tracker" || fail "no advice on permissions: $tracker"
+        done
     fi
+    # What it advises is installed where udev looks, before the rule that grants access, and has these trackers.
+    DESTDIR="$place/root" cmake --install "$programs" >/dev/null
+    rules=$(find root -path '*/lib/udev/rules.d/*.rules')
+    [ "$(printf '%s\n' "${rules##*/}" 73-seat-late.rules | sort | head -n 1)" = 70-fovead.rules ] || fail "rules: $rules"
+    for line in '^SUBSYSTEM=="usb".*"054c".*"0cde".*uaccess' '^KERNEL=="hidraw\*".*"deed".*"feed".*uaccess'; do
+        grep -q "$line" "$rules" || fail "no $line in $rules"
+    done
     ;;
 conformance)
     # Sources that deliver, by the suite that is for all of them.
