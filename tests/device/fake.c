@@ -10,7 +10,7 @@
 #include <time.h>
 #include <unistd.h>
 
-const char *const fake_kind_names[FAKE_KINDS] = {"hid", "garbage", "broken", "psvr2"};
+const char *const fake_kind_names[FAKE_KINDS] = {"hid", "unready", "garbage", "broken", "psvr2"};
 
 static void die(const char *what, GError *error)
 {

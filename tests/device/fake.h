@@ -16,6 +16,8 @@ struct fake_device; /* something plugged into it */
 
 enum fake_kind {
     FAKE_HID,     /* a page 0x12 tracker with the reference descriptor; gaze goes around a circle */
+    FAKE_UNREADY, /* the same, that asks for its user to be calibrated after 250 reports, and is ready after
+                     500 */
     FAKE_GARBAGE, /* the same descriptor, and random bytes as reports, of random length */
     FAKE_BROKEN,  /* a descriptor that says it is an eye tracker and is cut off */
     FAKE_PSVR2,

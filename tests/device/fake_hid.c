@@ -57,7 +57,11 @@ void fake_hid_describe(struct fake_device *device, GString *out_text)
 
 void fake_hid_fill(struct fake_device *device, struct fake_report *out_report)
 {
-    if (device->kind == FAKE_HID) {
+    if (device->kind == FAKE_UNREADY && (device->sent == 250 || device->sent == 500)) {
+        out_report->size = hid_status(out_report->bytes, device->sent == 250 ? 4 : 1, (unsigned)device->hz);
+        return;
+    }
+    if (device->kind == FAKE_HID || device->kind == FAKE_UNREADY) {
         out_report->size = HID_REPORT;
         hid_fill(out_report->bytes, device->sent, fake_now_ns() / 1000);
         return;

@@ -41,19 +41,25 @@ static inline void hid_fill(uint8_t report[HID_REPORT], uint64_t n, uint64_t clo
     for (int i = 8; i < 14; i++) hid_put(report + 9 + 4 * i, INT32_MAX, 4);
 }
 
+/* The status report, as input or feature. Returns its length. */
+static inline int hid_status(uint8_t *out, unsigned status, unsigned hz)
+{
+    out[0] = 0x13;
+    out[1] = (uint8_t)status;
+    hid_put(out + 2, hz, 2);
+    return 4;
+}
+
 /* The feature report whose id is in out[0]: configuration (the size of the screen) or status. Returns its
  * length, 0 for what is not answered. */
 static inline int hid_feature(uint8_t out[19], unsigned hz)
 {
     for (int i = 1; i < 19; i++) out[i] = 0;
-    if (out[0] == 0x12) {
-        hid_put(out + 11, HID_WIDTH_UM, 4);
-        hid_put(out + 15, HID_HEIGHT_UM, 4);
-        return 19;
-    }
-    out[1] = 1;
-    hid_put(out + 2, hz, 2);
-    return out[0] == 0x13 ? 4 : 0;
+    if (out[0] == 0x13) return hid_status(out, 1, hz);
+    if (out[0] != 0x12) return 0;
+    hid_put(out + 11, HID_WIDTH_UM, 4);
+    hid_put(out + 15, HID_HEIGHT_UM, 4);
+    return 19;
 }
 
 #endif

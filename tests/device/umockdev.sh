@@ -1,6 +1,7 @@
 # Programs among fake eye trackers: sh umockdev.sh PROGRAMS SOURCE WHAT, where PROGRAMS is the build directory and WHAT one
 # of the names at the end. Exit code 77: umockdev is missing.
 set -eu
+. "$(dirname "$0")/../room.sh"
 programs=$1
 source=$2
 what=$3
@@ -36,41 +37,6 @@ at_least() { [ "$(value "$1" | cut -d. -f1)" -ge "$2" ] || fail "$1=$(value "$1"
 is() { [ "$(value "$1")" = "$2" ] || fail "$1=$(value "$1"), expected $2"; }
 says() { grep -q "$1" err || fail "nobody said '$1'"; }
 
-# Two boxes' worth of triangles and a lamp, to render while the tracker streams.
-make_room() {
-    cat >room.mtl <<'END'
-newmtl wall
-Kd 0.6 0.6 0.6
-newmtl lamp
-Kd 0 0 0
-Ke 12 12 12
-END
-    cat >room.obj <<'END'
-mtllib room.mtl
-v -2 -2 -2
-v 2 -2 -2
-v 2 2 -2
-v -2 2 -2
-v -2 -2 2
-v 2 -2 2
-v 2 2 2
-v -2 2 2
-v -0.5 1.99 -0.5
-v 0.5 1.99 -0.5
-v 0.5 1.99 0.5
-v -0.5 1.99 0.5
-usemtl wall
-f 1 2 3 4
-f 5 8 7 6
-f 1 5 6 2
-f 1 4 8 5
-f 2 6 7 3
-f 4 3 7 8
-usemtl lamp
-f 9 10 11 12
-END
-}
-
 case $what in
 hid)
     # There, gone, there again; its loss is told, its screen is its own.
@@ -91,6 +57,12 @@ hid)
     grep -q 'FAIL: /dev/hidraw0 (Fovea Test Tracker): report descriptor, byte 38' out || fail "$(cat out)"
     run broken hid run wait:1 end -- "$probe" hid 30
     at_least valid 200
+    # What it reports of its status between reports of gaze is told, and that it no longer is so.
+    run unready run wait:2 end -- "$probe" hid 30
+    at_least valid 500
+    is gaps 0
+    says '500 Hz; it asks for the user to be calibrated'
+    tail -n 2 err | grep -q '500 Hz \[heap' || fail "it is ready, and nobody says so: $(cat err)"
     # A tracker that is slower, at a rate of its own.
     run hid:60 run wait:2 end -- "$probe" hid 30
     at_least valid 80
@@ -135,10 +107,20 @@ list)
     grep -q 'PlayStation VR2 (054c:0cde)' out || fail 'no PlayStation VR2 in the list'
     if [ "$(id -u)" = 0 ] && setpriv --reuid 65534 --regid 65534 --clear-groups test -x "$programs/fovead" 2>/dev/null; then
         chmod 755 "$place"
-        run hid -- sh -c 'chmod -R a+rX "$UMOCKDEV_DIR"; exec setpriv --reuid 65534 --regid 65534 --clear-groups "$@"' sh \
-            "$programs/fovead" --list-trackers
-        grep -q 'problem.*Permission denied; install 70-fovead.rules.*deed:feed' out || fail 'no advice on permissions'
+        # libusb wants to write in the bed, for uevents; the devices themselves stay root's.
+        run hid psvr2 -- sh -c 'chmod -R a+rwX "$UMOCKDEV_DIR"; exec setpriv --reuid 65534 --regid 65534 --clear-groups "$@"' \
+            sh "$programs/fovead" --list-trackers
+        for tracker in 'Permission denied.*deed:feed' 'PlayStation VR2): Access denied'; do
+            grep 'problem.*install 70-fovead.rules' out | grep -q "$tracker" || fail "no advice on permissions: $tracker"
+        done
     fi
+    # What it advises is installed where udev looks, before the rule that grants access, and has these trackers.
+    DESTDIR="$place/root" cmake --install "$programs" >/dev/null
+    rules=$(find root -path '*/lib/udev/rules.d/*.rules')
+    [ "$(printf '%s\n' "${rules##*/}" 73-seat-late.rules | sort | head -n 1)" = 70-fovead.rules ] || fail "rules: $rules"
+    for line in '^SUBSYSTEM=="usb".*"054c".*"0cde".*uaccess' '^KERNEL=="hidraw\*".*"deed".*"feed".*uaccess'; do
+        grep -q "$line" "$rules" || fail "no $line in $rules"
+    done
     ;;
 conformance)
     # Sources that deliver, by the suite that is for all of them.

@@ -1,5 +1,6 @@
 # What the guest of vm.sh does: sh vm_guest.sh PROGRAMS. Trackers are kernel devices here, fovead is the one of PROGRAMS.
 programs=$1
+. "$(dirname "$0")/../room.sh"
 cd /run
 export HOME=/run XDG_RUNTIME_DIR=/run TMPDIR=/run
 failed=0
@@ -41,28 +42,7 @@ sleep 0.5
 judge 300 2
 
 echo "== fovead itself, both trackers at once; the one that it took is pulled out, and the other goes on"
-cat >room.mtl <<'END'
-newmtl wall
-Kd 0.6 0.6 0.6
-newmtl lamp
-Kd 0 0 0
-Ke 12 12 12
-END
-cat >room.obj <<'END'
-mtllib room.mtl
-v -2 -2 -2
-v 2 -2 -2
-v 2 2 -2
-v -2 2 -2
-v -0.5 1.99 -0.5
-v 0.5 1.99 -0.5
-v 0.5 1.99 0.5
-v -0.5 1.99 0.5
-usemtl wall
-f 1 2 3 4
-usemtl lamp
-f 5 6 7 8
-END
+make_room
 "$programs/vm_hid" 3 250 & hid=$!
 "$programs/vm_usb" 3 250 & usb=$!
 timeout 60 "$programs/fovead" --scene room.obj --size 128 --gaze auto --until 9s --json >fovead.out 2>fovead.err || {

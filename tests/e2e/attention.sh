@@ -65,9 +65,14 @@ refused 'recentre wants' "$foveactl" recentre up
 refused usage "$foveactl" recentre 1,2 3
 [ ! -e state ] || fail "what is no tracker's was kept"
 
-# Keys, on a terminal, which is as before afterwards.
-(sleep 1.5; printf f; sleep 1; printf c; sleep 1; printf q) |
-    script -qec "sh -c 'stty -g >before; timeout --foreground 30 \"$foveactl\" watch; stty -g >after'" /dev/null >keys.txt
+# Keys, on a terminal, which is as before afterwards; each is pressed when the answer to the one before is to be seen.
+shows() {
+    tries=0
+    until grep -q "$1" keys.txt || [ $((tries += 1)) -gt 200 ]; do sleep 0.1; done
+}
+: >keys.txt
+(shows 'f freeze'; printf f; shows 'f unfreeze'; printf c; shows 'recentre: gaze is\|gaze is turned by'; printf q) |
+    script -qec "sh -c 'stty -g >before; timeout --foreground 90 \"$foveactl\" watch; stty -g >after'" /dev/null >>keys.txt
 cmp before after
 grep -q 'f freeze, c recentre, q quit' keys.txt && grep -q 'f unfreeze' keys.txt || fail "keys: $(tail -n 20 keys.txt)"
 grep -q 'recentre: gaze is\|gaze is turned by' keys.txt || fail "no answer to c: $(tail -n 20 keys.txt)"

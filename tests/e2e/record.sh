@@ -68,7 +68,18 @@ echo "killed after $seen samples: $kept are kept"
 [ "$kept" -ge $((seen - 120)) ] && [ "$kept" -gt 150 ] || fail "$kept samples are left of $seen"
 "$fovead" $small --gaze replay:killed.gaze --clock virtual --json >replay.json 2>replay.err
 [ "$(number gaze_samples replay.json)" = "$kept" ] || fail "$(cat replay.json)"
-# A last line that a crash of the machine has torn is dropped, with a word.
-head -c -40 killed.gaze >torn.gaze
-"$foveactl" gaze info --json torn.gaze >torn.json
-[ "$(number samples torn.json)" = $((kept - 1)) ] || fail "$(cat torn.json)"
+# A last line that a crash of the machine has torn, wherever, is dropped, with a word.
+last=$(tail -n 1 killed.gaze | wc -c)
+for torn in 1 40 $((last - 1)); do
+    head -c "-$torn" killed.gaze >torn.gaze
+    "$foveactl" gaze info --json torn.gaze >torn.json
+    [ "$(number samples torn.json)" = $((kept - 1)) ] || fail "$torn bytes less: $(cat torn.json)"
+    grep -q "line $((kept + 2)) was cut off and is left out" torn.json || fail "$torn bytes less: $(cat torn.json)"
+done
+head -n 32 killed.gaze | head -c -40 >torn.gaze
+"$fovead" $small --gaze replay:torn.gaze --clock virtual --json >replay.json 2>replay.err
+[ "$(number gaze_samples replay.json)" = 29 ] || fail "$(cat replay.json)"
+grep -q "line 32 was cut off" replay.json || fail "a torn recording is replayed without a word: $(cat replay.json)"
+# So is what a log does not say of itself.
+"$fovead" $small --gaze "replay:$source/tests/fuzz/corpus/log/gazepoint.csv" --clock virtual >replay.out
+grep -q "assumed: screen of 16:9 43.6 degrees wide" replay.out || fail "$(cat replay.out)"

@@ -297,7 +297,7 @@ static void bad_rows_are_refused(void **state)
             "gaze detected on surface,gaze position on surface x [normalized]", 1,
             "gaze on a mapped picture");
     spoiled("tobii_lab.tsv", "\tValid\tValid", "\tValid", 2, "16 columns, expected 17");
-    spoiled("tobii_lab.tsv", "Gaze point X [DACS px]", "Gaze point X [MCS px]", 1, "has neither");
+    spoiled("tobii_lab_glasses.tsv", "Gaze direction left X", "Gaze direction X", 1, "has neither");
     spoiled("glasses3.json", "\"gaze\",\"timestamp\":0.02", "\"imu\",\"timestamp\":0.02", 2, "type is 'imu'");
     spoiled("glasses3.json", "\"timestamp\":0.02", "\"timestamp\":\"0.02\"", 2, "has no timestamp");
     spoiled("glasses3.json", "{\"type\":\"gaze\",\"timestamp\":0.02", "{\"type\"\"gaze\",\"timestamp\":0.02",

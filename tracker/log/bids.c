@@ -2,12 +2,14 @@
  *
  * The sidecar's Columns names the columns: timestamp, x_coordinate, y_coordinate, perhaps pupil_size, and
  * others, which are left alone. An object of a column's name has its Units. SampleCoordinateSystem is
- * gaze-on-screen (pixels from the top left corner, y down; or degrees), eye-in-head or gaze-in-world (degrees
- * or radians, right and up, up after right). RecordedEye is left, right or cyclopean; an eye has a file of
- * its own. SamplingFrequency is in Hz. Missing is n/a. ScreenResolution (px), ScreenSize and ScreenDistance
- * (m) may stand in the sidecar or in its StimulusPresentation. Which way degrees count BIDS does not say:
- * right and up is taken, and said; what this project writes (bids_write.c) says so itself. No real file was
- * at hand; rows of the tests are made. */
+ * gaze-on-screen (pixels, if nothing else is said from the top left corner; or degrees), eye-in-head or
+ * gaze-in-world (degrees or radians, right and up, up after right). RecordedEye is left, right or cyclopean;
+ * an eye has a file of its own. SamplingFrequency is in Hz. Missing is n/a. ScreenResolution (px), ScreenSize
+ * and ScreenDistance (m) and ScreenOrigin (the corner that pixels count from) stand in StimulusPresentation
+ * of MATCHES_events.json, where NAME is MATCHES_recording-LABEL_physio; the sidecar, which had them in
+ * drafts, goes before. Which way degrees count BIDS does not say: right and up is taken, and said; what this
+ * project writes (bids_write.c) says so itself. No real file was at hand; rows of the tests are made, one of
+ * them after the specification's example. */
 #include "log/formats.h"
 
 #include "error.h"
@@ -27,6 +29,7 @@ enum place { ON_SCREEN_PX, ON_SCREEN_DEG, IN_ANGLES };
 
 struct reader {
     struct trk_reading *reading;
+    json_t *sidecar, *events; /* events is NULL where there is none */
     struct trk_table table;
     struct trk_plane plane;
     struct trk_log_clock clock;
@@ -41,33 +44,68 @@ struct reader {
 
 /* --- the sidecar ---------------------------------------------------------------------------------------- */
 
-static json_t *load_sidecar(const struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
+static bool ends_with(const char *text, size_t length, const char *end)
 {
-    const char *path = reading->lines.path;
+    size_t size = strlen(end);
+    return length > size && memcmp(text + length - size, end, size) == 0;
+}
+
+/* The path up to the file's ending. */
+static size_t stem_of(const char *path)
+{
     size_t length = strlen(path);
-    length -= length > 7 && strcmp(path + length - 7, ".tsv.gz") == 0 ? 7
-              : length > 4 && strcmp(path + length - 4, ".tsv") == 0  ? 4
-                                                                      : 0;
-    char *sidecar = NULL;
-    if (asprintf(&sidecar, "%.*s.json", (int)length, path) < 0) {
-        trk_fail(out_error, "%s: no memory", path);
-        return NULL;
-    }
+    if (ends_with(path, length, ".tsv.gz")) return length - strlen(".tsv.gz");
+    return ends_with(path, length, ".tsv") ? length - strlen(".tsv") : length;
+}
+
+/* The path up to what tells one recording of a run from the others. */
+static size_t matches_of(const char *path)
+{
+    const char *slash = strrchr(path, '/'), *label = strstr(slash ? slash : path, "_recording-");
+    size_t length = stem_of(path);
+    if (label) return (size_t)(label - path);
+    return ends_with(path, length, "_physio") ? length - strlen("_physio") : length;
+}
+
+/* The JSON object in the file whose name is the first bytes of path and end. *out_there: there is such a
+ * file. NULL with a message if there is and it holds none. */
+static json_t *load(const char *path, size_t length, const char *end, bool *out_there,
+                    char out_error[TRK_ERROR_SIZE])
+{
+    char *name = NULL;
     struct stat status;
     json_error_t error;
     json_t *root = NULL;
-    if (stat(sidecar, &status) != 0 || !S_ISREG(status.st_mode) || status.st_size > MAX_SIDECAR) {
-        trk_fail(out_error,
-                 "%s: a table without header, expected a BIDS sidecar %s (of up to 1 MiB) beside it", path,
-                 sidecar);
-    } else if (!(root = json_load_file(sidecar, 0, &error)) || !json_is_object(root)) {
-        trk_fail(out_error, "%s:%d: %.100s, expected a JSON object", sidecar, root ? 1 : error.line,
+    *out_there = true;
+    if (asprintf(&name, "%.*s%s", (int)length, path, end) < 0) {
+        trk_fail(out_error, "%s: no memory", path);
+        return NULL;
+    }
+    if (stat(name, &status) != 0 || !S_ISREG(status.st_mode) || status.st_size > MAX_SIDECAR) {
+        *out_there = false;
+    } else if (!(root = json_load_file(name, 0, &error)) || !json_is_object(root)) {
+        trk_fail(out_error, "%s:%d: %.100s, expected a JSON object", name, root ? 1 : error.line,
                  root ? "no object" : error.text);
         json_decref(root);
         root = NULL;
     }
-    free(sidecar);
+    free(name);
     return root;
+}
+
+static bool load_both(struct reader *reader, char out_error[TRK_ERROR_SIZE])
+{
+    const char *path = reader->reading->lines.path;
+    bool there;
+    reader->sidecar = load(path, stem_of(path), ".json", &there, out_error);
+    if (!there)
+        return trk_fail(
+            out_error,
+            "%s: a table without header, expected a BIDS sidecar %.*s.json (of up to 1 MiB) beside it", path,
+            (int)stem_of(path), path);
+    if (!reader->sidecar) return false;
+    reader->events = load(path, matches_of(path), "_events.json", &there, out_error);
+    return reader->events || !there;
 }
 
 static const char *text_of(const json_t *object, const char *key)
@@ -76,17 +114,18 @@ static const char *text_of(const json_t *object, const char *key)
     return text ? text : "";
 }
 
-/* A key of the sidecar, or of its StimulusPresentation. */
-static const json_t *screen_key(const json_t *root, const char *key)
+static const json_t *screen_key(const struct reader *reader, const char *key)
 {
-    const json_t *value = json_object_get(root, key);
-    return value ? value : json_object_get(json_object_get(root, "StimulusPresentation"), key);
+    const json_t *value = json_object_get(reader->sidecar, key);
+    if (!value) value = json_object_get(json_object_get(reader->sidecar, "StimulusPresentation"), key);
+    return value ? value : json_object_get(json_object_get(reader->events, "StimulusPresentation"), key);
 }
 
 /* The columns that Columns names become the header of the rows. */
-static bool read_columns(struct reader *reader, const json_t *root, char out_error[TRK_ERROR_SIZE])
+static bool read_columns(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 {
     struct trk_reading *reading = reader->reading;
+    const json_t *root = reader->sidecar;
     const json_t *columns = json_object_get(root, "Columns");
     char header[TRK_LINE_SIZE] = "";
     size_t used = 0;
@@ -107,14 +146,14 @@ static bool read_columns(struct reader *reader, const json_t *root, char out_err
     return true;
 }
 
-static bool read_time_unit(struct reader *reader, const json_t *root, char out_error[TRK_ERROR_SIZE])
+static bool read_time_unit(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 {
     static const struct {
         const char *name;
         double ns;
     } units[] = {{"s", 1e9},  {"sec", 1e9}, {"second", 1e9}, {"seconds", 1e9},
                  {"ms", 1e6}, {"us", 1e3},  {"ns", 1},       {"milliseconds", 1e6}};
-    const char *unit = text_of(json_object_get(root, names[TIME]), "Units");
+    const char *unit = text_of(json_object_get(reader->sidecar, names[TIME]), "Units");
     reader->unit_ns = trk_time_unit(reader->reading, 0);
     for (size_t i = 0; i < sizeof units / sizeof *units && reader->unit_ns == 0; i++)
         if (strcasecmp(unit, units[i].name) == 0) reader->unit_ns = units[i].ns;
@@ -124,15 +163,43 @@ static bool read_time_unit(struct reader *reader, const json_t *root, char out_e
     return reader->unit_ns > 0;
 }
 
-static bool init_screen(struct reader *reader, const json_t *root, char out_error[TRK_ERROR_SIZE])
+/* Turn the plane to the corner that the pixels count from. */
+static bool turn_to_origin(struct reader *reader, char out_error[TRK_ERROR_SIZE])
+{
+    static const char *const sides[2][2] = {{"left", "right"}, {"bottom", "top"}};
+    struct trk_reading *reading = reader->reading;
+    const json_t *origin = screen_key(reader, "ScreenOrigin");
+    bool is_seen[2] = {false, false};
+    if (reading->options->frame) return true; /* which says where x and y point */
+    if (!origin) {
+        trk_assume(reading, "pixels count from the screen's top left corner");
+        return true;
+    }
+    for (size_t i = 0; i < json_array_size(origin); i++) {
+        const char *side = json_string_value(json_array_get(origin, i));
+        for (int axis = 0; axis < 2; axis++)
+            for (int end = 0; end < 2 && side; end++) {
+                if (strcasecmp(side, sides[axis][end]) != 0) continue;
+                is_seen[axis] = true;
+                reader->plane.sign[axis] = end ? -1 : 1;
+            }
+    }
+    if (is_seen[0] && is_seen[1]) return true;
+    return trk_lines_fail(
+        &reading->lines, out_error,
+        "ScreenOrigin is no corner, expected top or bottom and left or right, or the frame to be "
+        "told");
+}
+
+static bool init_screen(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 {
     struct trk_reading *reading = reader->reading;
-    const json_t *pixels = screen_key(root, "ScreenResolution"), *size = screen_key(root, "ScreenSize");
+    const json_t *pixels = screen_key(reader, "ScreenResolution"), *size = screen_key(reader, "ScreenSize");
     double width = json_number_value(json_array_get(pixels, 0)),
            height = json_number_value(json_array_get(pixels, 1));
     double across = json_number_value(json_array_get(size, 0)),
            up = json_number_value(json_array_get(size, 1));
-    double distance = json_number_value(screen_key(root, "ScreenDistance")), fov_deg = TRK_SCREEN_FOV_DEG;
+    double distance = json_number_value(screen_key(reader, "ScreenDistance")), fov_deg = TRK_SCREEN_FOV_DEG;
     const char *what = "screen";
     if (!(width >= 1 && width < 1e6 && height >= 1 && height < 1e6)) {
         width = 1920;
@@ -145,13 +212,15 @@ static bool init_screen(struct reader *reader, const json_t *root, char out_erro
         fov_deg = 2 * atan(across / 2 / distance) * 180 / M_PI;
         what = "by the sidecar the screen is";
     }
-    return trk_plane_init(&reader->plane, reading, width, height, aspect, fov_deg, what, out_error);
+    return trk_plane_init(&reader->plane, reading, width, height, aspect, fov_deg, what, out_error) &&
+           turn_to_origin(reader, out_error);
 }
 
 /* What x and y are. */
-static bool read_place(struct reader *reader, const json_t *root, char out_error[TRK_ERROR_SIZE])
+static bool read_place(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 {
     struct trk_reading *reading = reader->reading;
+    const json_t *root = reader->sidecar;
     const char *system = text_of(root, "SampleCoordinateSystem"), *eye = text_of(root, "RecordedEye");
     const char *unit = text_of(json_object_get(root, names[X]), "Units");
     bool on_screen = strcmp(system, "gaze-on-screen") == 0, is_deg = strncasecmp(unit, "deg", 3) == 0;
@@ -165,7 +234,7 @@ static bool read_place(struct reader *reader, const json_t *root, char out_error
             system);
     if (on_screen && (strncasecmp(unit, "pixel", 5) == 0 || strcasecmp(unit, "px") == 0)) {
         reader->place_kind = ON_SCREEN_PX;
-        return init_screen(reader, root, out_error);
+        return init_screen(reader, out_error);
     }
     if (!is_deg && (on_screen || strncasecmp(unit, "rad", 3) != 0))
         return trk_lines_fail(&reading->lines, out_error, "x_coordinate's Units are '%.20s', expected %s",
@@ -222,11 +291,10 @@ static bool read_row(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 static bool read_bids(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
 {
     struct reader reader = {.reading = reading};
-    json_t *root = load_sidecar(reading, out_error);
-    if (!root) return false;
-    bool ok = read_columns(&reader, root, out_error) && read_time_unit(&reader, root, out_error) &&
-              read_place(&reader, root, out_error);
-    json_decref(root);
+    bool ok = load_both(&reader, out_error) && read_columns(&reader, out_error) &&
+              read_time_unit(&reader, out_error) && read_place(&reader, out_error);
+    json_decref(reader.sidecar);
+    json_decref(reader.events);
     if (!ok) return false;
     enum trk_line line = trk_table_split(&reader.table, out_error);
     for (; line == TRK_LINE; line = trk_table_next(&reader.table, out_error))

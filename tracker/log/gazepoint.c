@@ -8,7 +8,8 @@
  * 0..1. BPOG is both eyes', LPOG and RPOG each one's; V says valid, and a lost sample repeats the last point
  * with V 0. FPOG holds still during saccades and is taken only where there is nothing else. LPMM and RPMM are
  * pupils in mm. BKID is not 0 in a blink. TIME, in seconds, is the tracker's clock; TIME_TICK, in ticks of f
- * a second, the host's. CNT counts samples: a gap is a lost one. */
+ * a second, the host's. An export of several media begins TIME anew with each of them, while the ticks go on:
+ * they tell how long after the last sample that was. CNT counts samples: a gap is a lost one. */
 #include "log/formats.h"
 
 #include <math.h>
@@ -37,6 +38,9 @@ struct reader {
     bool has_count, is_fixation; /* FPOG had to be taken */
     int64_t first_count;
     uint64_t sequence;
+    bool has_last; /* the times of the last sample, and what TIME is short of since it began anew */
+    int64_t last_time_ns, last_tick_ns, shift_ns;
+    size_t restarts;
 };
 
 static bool number(struct reader *reader, int i, double *out_value, char out_error[TRK_ERROR_SIZE])
@@ -49,28 +53,51 @@ static bool number(struct reader *reader, int i, double *out_value, char out_err
                           names[i], field);
 }
 
+/* Add to TIME what it lost where it began anew, if the ticks say what that is. Both are times since a start,
+ * and far from what an int64_t holds. */
+static void join(struct reader *reader, int64_t *time_ns, int64_t tick_ns)
+{
+    const int64_t max_ns = (int64_t)TRK_MAX_DEVICE_NS, now_ns = *time_ns, last_ns = reader->last_time_ns;
+    const int64_t step_ns = reader->has_last ? tick_ns - reader->last_tick_ns : -1;
+    if (step_ns >= 0 && step_ns <= max_ns && now_ns >= 0 && last_ns <= max_ns &&
+        last_ns - now_ns > (int64_t)TRK_MAX_STEP_BACK_NS) {
+        reader->shift_ns += last_ns - now_ns + step_ns;
+        reader->restarts++;
+    }
+    reader->has_last = true;
+    reader->last_time_ns = now_ns;
+    reader->last_tick_ns = tick_ns;
+    *time_ns += reader->shift_ns;
+}
+
 static bool read_times(struct reader *reader, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
 {
     const struct trk_lines *lines = &reader->reading->lines;
-    const char *time = reader->fields[TIME], *tick = reader->fields[TICK], *count = reader->fields[CNT];
-    int64_t time_ns, tick_ns, counted;
+    const char *time = reader->fields[TIME], *tick = reader->fields[TICK];
+    int64_t time_ns, tick_ns;
     if (!time || !trk_parse_time(time, trk_time_unit(reader->reading, 1e9), &time_ns))
         return trk_lines_fail(lines, out_error, "TIME is '%.40s', expected seconds", time ? time : "");
-    if (!trk_log_clock_count(&reader->device, time_ns, lines, &sample->device_ns, out_error)) return false;
-    sample->arrival_ns = sample->device_ns;
     if (tick && !trk_parse_time(tick, 1e9 / reader->tick_hz, &tick_ns))
         return trk_lines_fail(lines, out_error, "TIME_TICK is '%.40s', expected ticks", tick);
-    if (tick && !trk_log_clock_count(&reader->host, tick_ns, lines, &sample->arrival_ns, out_error))
-        return false;
+    if (tick) join(reader, &time_ns, tick_ns);
+    if (!trk_log_clock_count(&reader->device, time_ns, lines, &sample->device_ns, out_error)) return false;
+    sample->arrival_ns = sample->device_ns;
+    return !tick || trk_log_clock_count(&reader->host, tick_ns, lines, &sample->arrival_ns, out_error);
+}
+
+/* CNT may begin anew too; it counts on from there. */
+static void count(struct reader *reader, struct trk_sample *sample)
+{
+    const char *field = reader->fields[CNT];
+    int64_t counted;
     sample->sequence = reader->sequence + 1;
-    if (count && trk_parse_int64(count, &counted) && llabs(counted) < INT64_MAX / 4) {
-        if (!reader->has_count) reader->first_count = counted;
+    if (field && trk_parse_int64(field, &counted) && llabs(counted) < INT64_MAX / 4) {
+        if (!reader->has_count || counted - reader->first_count < (int64_t)reader->sequence)
+            reader->first_count = counted - (int64_t)reader->sequence;
         reader->has_count = true;
-        if (counted - reader->first_count > (int64_t)reader->sequence)
-            sample->sequence = (uint64_t)(counted - reader->first_count) + 1;
+        sample->sequence = (uint64_t)(counted - reader->first_count) + 1;
     }
     reader->sequence = sample->sequence;
-    return true;
 }
 
 /* Whether a point is there and says it is valid. */
@@ -96,6 +123,7 @@ static bool read_record(struct reader *reader, char out_error[TRK_ERROR_SIZE])
     if (!read_times(reader, &sample, out_error) || !number(reader, BKID, &blink, out_error) ||
         !point(reader, both, sample.direction, &valid, out_error))
         return false;
+    count(reader, &sample);
     if (valid) sample.valid |= TRK_DIRECTION;
     for (int eye = 0; eye < 2; eye++) {
         double pupil, pupil_valid;
@@ -120,6 +148,8 @@ static bool begin(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 static bool finish(struct reader *reader)
 {
     if (reader->is_fixation) trk_assume(reader->reading, "no BPOG: gaze is that of fixations (FPOG)");
+    if (reader->restarts)
+        trk_assume(reader->reading, "TIME begins anew %zu times, joined by the ticks", reader->restarts);
     if (reader->device.held + reader->host.held)
         trk_assume(reader->reading, "times that go back were held (%zu of the tracker, %zu of the host)",
                    reader->device.held, reader->host.held);

@@ -7,8 +7,8 @@
  * Origins and gaze3d are in mm, in the head unit's frame, which has its zero in the scene camera: +X to the
  * wearer's left, +Y up, +Z forward. How this is known: in quoted rows the left eye's origin has x = +28 mm
  * and the right eye's -31 mm, and a point with x = -82 mm lies in the right half of the picture (gaze2d 0.54,
- * from the top left corner). The combined gaze is that of the eyes. No recording was at hand: the rows of the
- * tests are made. */
+ * from the top left corner). The combined gaze is that of the eyes, and where neither has one the way to
+ * gaze3d. No recording was at hand: the rows of the tests are made. */
 #include "log/formats.h"
 
 #include <jansson.h>
@@ -54,6 +54,9 @@ static bool read_object(struct trk_reading *reading, const json_t *root, struct 
     read_eye(data, 0, frame, &sample);
     read_eye(data, 1, frame, &sample);
     trk_combine(&sample);
+    float point[3];
+    if (!(sample.valid & TRK_DIRECTION) && read_vector(json_object_get(data, "gaze3d"), point))
+        trk_set_direction(&sample, 2, point, frame);
     return trk_log_append(reading, &sample, out_error);
 }
 

@@ -5,10 +5,10 @@
  * mm, in the frame of the scene camera: +X right, +Y down, +Z forward. How this is known: in real rows eye
  * centre 0 has x = +18 mm and eye centre 1 x = -39 mm; and a gaze point with x = -25, y = -31, z = 268 mm
  * stands beside norm_pos (0.438, 0.573), whose origin is the picture's bottom left corner: left and up. Rows
- * of one eye leave the other's fields empty. Without 3-D columns norm_pos is taken through a pinhole; the
- * camera's usual picture of 1280 x 720 is 77.7 degrees wide. confidence below 0.6, Pupil's own threshold, is
- * a lost sample. No such file was at hand whole: rows of the tests are made from the documentation and two
- * quoted rows.
+ * of one eye leave the other's fields empty, and those that were mapped in 2-D all of them. There, and
+ * without 3-D columns, norm_pos is taken through a pinhole; the camera's usual picture of 1280 x 720 is 77.7
+ * degrees wide. confidence below 0.6, Pupil's own threshold, is a lost sample. No such file was at hand
+ * whole: rows of the tests are made from the documentation and two quoted rows.
  *
  * Cloud. timestamp [ns] is of the Unix epoch; azimuth and elevation are degrees from the scene camera's axis,
  * to the right and up. In the real recording azimuth grows with gaze x [px] and elevation falls as gaze y
@@ -43,7 +43,7 @@ struct core {
     struct trk_plane plane;
     struct trk_log_clock clock;
     int place[CORE_COLUMNS]; /* those of an eye are -1 in recordings without 3-D */
-    bool has_3d;
+    bool has_plane;
     size_t doubtful;
     uint64_t sequence;
 };
@@ -55,15 +55,24 @@ static bool begin_core(struct core *core, struct trk_reading *reading, char out_
     if (trk_header_find(&reading->header, names[TIME]) < 0) names[TIME] = "timestamp";
     trk_table_init(&core->table, reading);
     if (!trk_table_need(&core->table, names, NORM + 2, core->place, out_error)) return false;
-    core->has_3d = true;
-    for (int i = CENTRES; i < CORE_COLUMNS; i++) {
+    for (int i = CENTRES; i < CORE_COLUMNS; i++)
         core->place[i] = trk_header_find(&reading->header, core_names[i]);
-        core->has_3d &= core->place[i] >= 0;
-    }
     core->frame = trk_reading_frame(reading, "RDF");
     trk_assume(reading, "the head is the scene camera");
-    return core->has_3d || trk_plane_init(&core->plane, reading, 1, 1, 16.0 / 9, SCENE_FOV_DEG,
-                                          "no 3-D gaze: norm_pos through a scene camera", out_error);
+    return true;
+}
+
+/* Where the point in the picture lies; only recordings that need it have a say on the camera. */
+static bool take_norm_pos(struct core *core, double x, double y, struct trk_sample *sample,
+                          char out_error[TRK_ERROR_SIZE])
+{
+    if (!core->has_plane && !trk_plane_init(&core->plane, core->table.reading, 1, 1, 16.0 / 9, SCENE_FOV_DEG,
+                                            "no 3-D gaze: norm_pos through a scene camera", out_error))
+        return false;
+    core->has_plane = true;
+    trk_plane_direction(&core->plane, x, 1 - y, sample->direction);
+    sample->valid |= TRK_DIRECTION;
+    return true;
 }
 
 static bool read_core_row(void *context, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
@@ -86,7 +95,7 @@ static bool read_core_row(void *context, struct trk_sample *sample, char out_err
     sample->device_ns = sample->arrival_ns = (uint64_t)ns;
     bool sure = confidence >= MIN_CONFIDENCE; /* not if it is NaN */
     core->doubtful += !sure;
-    for (int i = 0; i < 2 && core->has_3d; i++) {
+    for (int i = 0; i < 2; i++) {
         float normal[3], centre[3];
         if (!trk_table_numbers(table, &core->place[NORMALS + 3 * i], 3, normal, out_error) ||
             !trk_table_numbers(table, &core->place[CENTRES + 3 * i], 3, centre, out_error))
@@ -95,12 +104,9 @@ static bool read_core_row(void *context, struct trk_sample *sample, char out_err
         trk_set_direction(sample, 1 - i, normal, &core->frame);
         trk_set_origin(sample, 1 - i, centre, 1e-3f, &core->frame);
     }
-    if (sure && !core->has_3d && isfinite(x) && isfinite(y)) {
-        trk_plane_direction(&core->plane, x, 1 - y, sample->direction);
-        sample->valid |= TRK_DIRECTION;
-    }
     trk_combine(sample);
-    return true;
+    return !sure || (sample->valid & TRK_DIRECTION) || !isfinite(x) || !isfinite(y) ||
+           take_norm_pos(core, x, y, sample, out_error);
 }
 
 static bool read_core(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])

@@ -1,18 +1,21 @@
 /* Tobii Pro Lab's data export: a table with tabs. Names of columns carry the unit in square brackets; older
  * exports have the same names without.
  *
- * Recording timestamp ([ms] or [μs]; without brackets ms) is the recording computer's clock and becomes
- * arrival_ns; Eyetracker timestamp [μs] is the tracker's and becomes device_ns; where there is none, the
- * first serves for both. Rows of other sensors (mouse, events) lie between those of "Eye Tracker" and are
- * skipped. Validity is Valid or Invalid, in older exports 0 (best) to 4 (lost), of which Tobii advises to use
- * 0 and 1. Missing is empty. A decimal comma is understood.
+ * Recording timestamp is the recording computer's clock and becomes arrival_ns: [ms] or [μs], and without
+ * brackets either, which its steps tell. Eyetracker timestamp [μs] is the tracker's and becomes device_ns;
+ * where there is none, the first serves for both. Rows of other sensors (mouse, gyroscope, events) lie
+ * between those of "Eye Tracker" and are skipped. Validity is Valid or Invalid, in older exports 0 (best) to
+ * 4 (lost), of which Tobii advises to use 0 and 1; where it was not exported, gaze that is there is valid.
+ * Missing is empty. A decimal comma is understood.
  *
  * Trackers on a screen: Gaze point X, Y [DACS px] are pixels from the top left corner of the display, whose
  * size is Recording resolution width and height. Glasses: Gaze direction left X.. [HUCS norm] are unit
  * vectors in the head unit, +X to the wearer's left, +Y up, +Z forward, as in Tobii Pro Glasses 3 (see
- * glasses3.c), and Eye position.. [HUCS mm] where they start; these are taken if there are both.
+ * glasses3.c), and Eye position.. or Pupil position.. [HUCS mm] where they start. Only they export a Gaze
+ * point 3D, which is how they are told without brackets.
  *
- * No real export was at hand: the rows of the tests are made from the documentation. */
+ * No real export of gaze was at hand: the rows of the tests are made from the documentation, from what public
+ * readers expect, and, for times without a unit, after real rows of a glasses' export without gaze. */
 #include "log/formats.h"
 
 #include <math.h>
@@ -57,7 +60,20 @@ static void find_eye(struct reader *reader, const struct trk_header *header, int
         snprintf(name, sizeof name, "%.*s%s%s", (int)(side - columns[i].name), columns[i].name,
                  eye ? "right" : "left", side + 2);
         reader->eye[eye][i] = trk_header_find_unit(header, name, columns[i].unit);
+        if (i < EYE_ORIGIN || i >= EYE_PUPIL || reader->eye[eye][i] >= 0) continue;
+        snprintf(name, sizeof name, "Pupil position %s %c", eye ? "right" : "left", "XYZ"[i - EYE_ORIGIN]);
+        reader->eye[eye][i] = trk_header_find_unit(header, name, columns[i].unit);
     }
+}
+
+/* Where the unit is not in the header: what the steps of all rows tell. */
+static bool find_unit(struct reader *reader, char out_error[TRK_ERROR_SIZE])
+{
+    struct trk_reading *reading = reader->table.reading;
+    const char *unit = strchr(reading->header.names[reader->recording], '[');
+    reader->recording_unit_ns = unit ? (strstr(unit, "ms") ? 1e6 : 1e3)
+                                     : trk_table_guess_unit(&reader->table, reader->recording, out_error);
+    return reader->recording_unit_ns > 0;
 }
 
 static bool begin(struct reader *reader, struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
@@ -67,9 +83,7 @@ static bool begin(struct reader *reader, struct trk_reading *reading, char out_e
     trk_table_init(&reader->table, reading);
     reader->table.decimal_comma = true;
     if (!trk_table_need(&reader->table, needed, 1, &reader->recording, out_error)) return false;
-    const char *unit = strchr(header->names[reader->recording], '[');
-    if (!unit && !reading->options->time_unit) trk_assume(reading, "Recording timestamp is in ms");
-    reader->recording_unit_ns = !unit ? trk_time_unit(reading, 1e6) : strstr(unit, "ms") ? 1e6 : 1e3;
+    if (!find_unit(reader, out_error)) return false;
     reader->tracker = trk_header_find(header, "Eyetracker timestamp");
     reader->sensor = trk_header_find(header, "Sensor");
     reader->point[0] = trk_header_find_unit(header, "Gaze point X", "DACS px");
@@ -78,11 +92,14 @@ static bool begin(struct reader *reader, struct trk_reading *reading, char out_e
     reader->resolution[1] = trk_header_find(header, "Recording resolution height");
     find_eye(reader, header, 0);
     find_eye(reader, header, 1);
-    /* Directions without brackets may be of the display's frame. */
+    /* Directions without brackets are of the display's frame where there is a display. */
     const int x = reader->eye[0][EYE_DIRECTION];
-    reader->on_screen = x < 0 || !strchr(header->names[x], '[');
+    reader->on_screen = x < 0 || (!strchr(header->names[x], '[') &&
+                                  trk_header_find_unit(header, "Gaze point 3D X", "HUCS") < 0);
     reader->frame = trk_reading_frame(reading, "LUF");
-    if (!reader->on_screen || (reader->point[0] >= 0 && reader->point[1] >= 0)) return true;
+    if (!reader->on_screen || reader->point[0] >= 0 || reader->eye[0][EYE_POINT] >= 0 ||
+        reader->eye[1][EYE_POINT] >= 0)
+        return true;
     return trk_lines_fail(
         &reading->lines, out_error,
         "header has neither 'Gaze direction left X [HUCS norm]' nor 'Gaze point X [DACS px]', "
@@ -154,6 +171,9 @@ static bool read_times(struct reader *reader, struct trk_sample *sample, char ou
     if (!trk_table_time(&reader->table, reader->recording, reader->recording_unit_ns, &host_ns, out_error))
         return false;
     device_ns = host_ns;
+    /* Glasses have no such clock, and leave its column empty. */
+    if (!reader->device.started && reader->tracker >= 0 && !*reader->table.fields[reader->tracker])
+        reader->tracker = -1;
     if (reader->tracker >= 0 && !trk_table_time(&reader->table, reader->tracker, 1e3, &device_ns, out_error))
         return false;
     return trk_log_clock_count(&reader->device, device_ns, lines, &sample->device_ns, out_error) &&
@@ -195,10 +215,20 @@ static bool read_tobii_lab(struct trk_reading *reading, char out_error[TRK_ERROR
     return true;
 }
 
+/* Which columns there are is for whoever exports to say. */
+static bool detect(const struct trk_reading *reading)
+{
+    static const char *const gaze[] = {"Gaze point X", "Gaze direction left X", "Validity left"};
+    bool found = false;
+    for (size_t i = 0; i < sizeof gaze / sizeof *gaze; i++)
+        found |= trk_header_find(&reading->header, gaze[i]) >= 0;
+    return found && trk_header_find(&reading->header, "Recording timestamp") >= 0;
+}
+
 const struct trk_log_format trk_log_tobii_lab = {
     .id = "tobii-lab",
     .name = "Tobii Pro Lab",
     .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME | TRK_TAKES_SCREEN,
-    .columns = {"Recording timestamp", "Validity left", "Validity right"},
+    .detect = detect,
     .read = read_tobii_lab,
 };

@@ -47,8 +47,8 @@ static void describe(struct replay *replay, const char *path)
     bool head = false;
     for (size_t i = 0; i < log->count && !head; i++) head = log->samples[i].valid & TRK_HEAD;
     snprintf(replay->source.description, sizeof replay->source.description,
-             "replay of %.300s: %zu samples, %.1f s%s, %s", path, log->count, seconds, rate,
-             head ? "head pose" : "no head pose");
+             "replay of %.200s: %zu samples, %.1f s%s, %s%s%.250s", path, log->count, seconds, rate,
+             head ? "head pose" : "no head pose", *log->assumed ? "; assumed: " : "", log->assumed);
 }
 
 static void replay_close(struct trk_source *source)

@@ -1,0 +1,39 @@
+# For test scripts that render: a small scene, written where they are.
+
+# A box of 4 m with a light under the ceiling, seen from its middle.
+make_room() {
+    cat >room.mtl <<'END'
+newmtl wall
+Kd 0.6 0.6 0.6
+newmtl red
+Kd 0.7 0.1 0.1
+newmtl lamp
+Kd 0 0 0
+Ke 12 12 12
+END
+    cat >room.obj <<'END'
+mtllib room.mtl
+v -2 -2 -2
+v 2 -2 -2
+v 2 2 -2
+v -2 2 -2
+v -2 -2 2
+v 2 -2 2
+v 2 2 2
+v -2 2 2
+v -0.5 1.99 -0.5
+v 0.5 1.99 -0.5
+v 0.5 1.99 0.5
+v -0.5 1.99 0.5
+usemtl wall
+f 1 2 3 4
+f 5 8 7 6
+f 1 5 6 2
+f 4 3 7 8
+usemtl red
+f 1 4 8 5
+f 2 6 7 3
+usemtl lamp
+f 9 10 11 12
+END
+}
