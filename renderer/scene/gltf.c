@@ -21,8 +21,9 @@ bool rnd_gltf_fail(struct rnd_gltf *gltf, const char *what)
 }
 
 /* The JSON of a .gltf file, or of the first chunk of a .glb one (12 bytes of header, then length, "JSON"). */
-static json_t *load_json(const char *path, char out_error[RND_ERROR_SIZE])
+static json_t *load_json(struct rnd_gltf *gltf)
 {
+    const char *path = gltf->path;
     json_t *root = NULL;
     char *text = NULL;
     json_error_t why = {.text = "unreadable"};
@@ -32,6 +33,11 @@ static json_t *load_json(const char *path, char out_error[RND_ERROR_SIZE])
     long length = 0;
     if (fread(head, 1, sizeof head, file) == sizeof head && memcmp(head, "glTF", 4) == 0) {
         length = little_endian(head + 12) <= MAX_JSON_BYTES ? (long)little_endian(head + 12) : 0;
+        if (memcmp(head + 16, "JSON", 4) != 0 || little_endian(head + 4) != 2) length = 0;
+        gltf->json_end = 20 + (size_t)length;
+        if (fseek(file, 0, SEEK_END) != 0) goto end;
+        gltf->file_size = (size_t)ftell(file);
+        if (fseek(file, 20, SEEK_SET) != 0) goto end;
     } else if (fseek(file, 0, SEEK_END) == 0) {
         length = ftell(file);
         rewind(file);
@@ -43,7 +49,7 @@ end:
     if (file) fclose(file);
     free(text);
     if (!root)
-        snprintf(out_error, RND_ERROR_SIZE, "%.200s:%d: not readable as glTF JSON: %.100s", path,
+        snprintf(gltf->error, RND_ERROR_SIZE, "%.200s:%d: not readable as glTF JSON: %.100s", path,
                  why.line > 0 ? why.line : 1, why.text);
     return root;
 }
@@ -131,7 +137,7 @@ bool rnd_gltf_open(struct rnd_gltf *gltf, const char *path, char out_error[RND_E
     if (slash && snprintf(gltf->directory, sizeof gltf->directory, "%.*s", (int)(slash - path + 1), path) >=
                      (int)sizeof gltf->directory)
         return rnd_gltf_fail(gltf, "the path is too long");
-    gltf->root = load_json(path, out_error);
+    gltf->root = load_json(gltf);
     if (gltf->root && check_nodes(gltf) && check_required(gltf) && rnd_gltf_first_frame(gltf)) return true;
     rnd_gltf_close(gltf);
     return false;

@@ -7,6 +7,7 @@
 
 #include "renderer.h"
 
+#include <assimp/scene.h>
 #include <jansson.h>
 
 enum { RND_NODE_DEPTH = 256 };
@@ -21,9 +22,10 @@ struct rnd_gltf {
     char *error;          /* RND_ERROR_SIZE bytes of the caller's, for one line of what is wrong */
     char directory[2048]; /* with its slash, or "" */
     json_t *root;
-    struct rnd_pose *pose; /* of nodes, at the first frame of the first animation */
-    bool *moved;           /* is that pose to be used? */
-    bool morphs;           /* weights of morph targets that are not 0 are asked for */
+    size_t json_end, file_size; /* of a GLB: where its first chunk ends; 0 for JSON alone */
+    struct rnd_pose *pose;      /* of nodes, at the first frame of the first animation */
+    bool *moved;                /* is that pose to be used? */
+    bool morphs;                /* weights of morph targets that are not 0 are asked for */
 };
 
 /* --- gltf.c --- */
@@ -40,6 +42,12 @@ const json_t *rnd_gltf_at(const struct rnd_gltf *gltf, const char *list, const j
 const json_t *rnd_gltf_extension(const json_t *object, const char *name);
 /* The nodes of the scene that is shown. */
 const json_t *rnd_gltf_roots(const struct rnd_gltf *gltf);
+
+/* --- gltf_assimp.c --- */
+
+/* The file as assimp imports it, but with materials that are only names: their indices in the file. NULL with
+ * the cause in aiGetErrorString(). The caller frees with aiReleaseImport(). */
+const struct aiScene *rnd_gltf_import(struct rnd_gltf *gltf, unsigned flags);
 
 /* --- gltf_bytes.c --- */
 

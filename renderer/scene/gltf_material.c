@@ -1,6 +1,7 @@
 /* glTF 2.0 materials and their Khronos extensions, from the JSON of the file. */
 #include "scene/material.h"
 
+#include <assimp/material.h>
 #include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,6 +11,7 @@
 struct reader {
     struct rnd_gltf *gltf;
     struct rnd_scene *scene;
+    int index; /* in the file */
     const json_t *json;
     struct rnd_material *to;
     bool ok; /* until the first error, which is in gltf->error */
@@ -20,7 +22,7 @@ static void fail(struct reader *r, const char *what)
     char text[240];
     const char *name = json_string_value(json_object_get(r->json, "name"));
     if (!r->ok) return;
-    snprintf(text, sizeof text, "material \"%.60s\": %.160s", name ? name : "", what);
+    snprintf(text, sizeof text, "material %d \"%.60s\": %.150s", r->index, name ? name : "", what);
     r->ok = rnd_gltf_fail(r->gltf, text);
 }
 
@@ -254,10 +256,10 @@ static void read_extensions(struct reader *r, const json_t *json)
         if (rnd_gltf_extension(json, missing[i].extension)) rnd_scene_unsupported(r->scene, missing[i].name);
 }
 
-static bool read_material(struct rnd_gltf *gltf, struct rnd_scene *scene, const json_t *json,
-                          struct rnd_material *to)
+static bool read_material(struct rnd_gltf *gltf, struct rnd_scene *scene, int index, struct rnd_material *to)
 {
-    struct reader r = {.gltf = gltf, .scene = scene, .json = json, .to = to, .ok = true};
+    const json_t *json = json_array_get(json_object_get(gltf->root, "materials"), (size_t)index);
+    struct reader r = {.gltf = gltf, .scene = scene, .index = index, .json = json, .to = to, .ok = true};
     const json_t *pbr = json_object_get(json, "pbrMetallicRoughness"),
                  *gloss = rnd_gltf_extension(json, "KHR_materials_pbrSpecularGlossiness"),
                  *strength = rnd_gltf_extension(json, "KHR_materials_emissive_strength"),
@@ -294,82 +296,21 @@ static bool read_material(struct rnd_gltf *gltf, struct rnd_scene *scene, const 
     return r.ok;
 }
 
-/* --- which material is which ---
- *
- * assimp numbers materials in the order in which meshes first name them, children before parents, and leaves
- * out those that nothing names; their names need not be there, nor differ. */
-
-struct order {
-    size_t *material; /* indices in the file */
-    size_t count, size;
-    bool *seen;
-};
-
-static void visit_mesh(struct order *order, const json_t *mesh)
+/* Which of the file's materials assimp's is, by its name, or -1: the default for what names none. */
+static int index_of(const struct aiMaterial *material)
 {
-    const json_t *primitives = json_object_get(mesh, "primitives");
-    for (size_t p = 0; p < json_array_size(primitives); p++) {
-        const json_t *index = json_object_get(json_array_get(primitives, p), "material");
-        const json_int_t m = json_is_integer(index) ? json_integer_value(index) : -1;
-        if (m < 0 || (size_t)m >= order->size || order->seen[m]) continue;
-        order->seen[m] = true;
-        order->material[order->count++] = (size_t)m;
-    }
-}
-
-static void visit_nodes(struct order *order, const struct rnd_gltf *gltf, const json_t *nodes, int depth)
-{
-    if (depth > RND_NODE_DEPTH) return;
-    for (size_t i = 0; i < json_array_size(nodes); i++) {
-        const json_t *node = rnd_gltf_at(gltf, "nodes", json_array_get(nodes, i));
-        visit_nodes(order, gltf, json_object_get(node, "children"), depth + 1);
-        visit_mesh(order, rnd_gltf_at(gltf, "meshes", json_object_get(node, "mesh")));
-    }
-}
-
-static bool same_name(const json_t *material, const char *name)
-{
-    const char *own = json_string_value(json_object_get(material, "name"));
-    return strcmp(own ? own : "", name) == 0;
-}
-
-/* The file's material that assimp made into its i-th, or NULL (its default material). */
-static const json_t *material_of(const json_t *materials, const struct order *order, size_t i,
-                                 const char *name)
-{
-    if (i < order->count) {
-        const json_t *material = json_array_get(materials, order->material[i]);
-        if (same_name(material, name)) return material;
-    }
-    for (size_t k = 0; k < json_array_size(materials); k++)
-        if (*name && same_name(json_array_get(materials, k), name)) return json_array_get(materials, k);
-    return NULL;
-}
-
-static const char *name_of(const struct aiMaterial *material)
-{
-    const struct aiMaterialProperty *name;
-    if (aiGetMaterialProperty(material, AI_MATKEY_NAME, &name) != aiReturn_SUCCESS) return "";
-    return name->mDataLength > 4 ? name->mData + 4 : ""; /* a length of four bytes, then text and its end */
+    struct aiString name;
+    if (aiGetMaterialString(material, AI_MATKEY_NAME, &name) != aiReturn_SUCCESS) return -1;
+    if (name.length == 0 || name.length > 9 || strspn(name.data, "0123456789") != name.length) return -1;
+    return atoi(name.data);
 }
 
 bool rnd_gltf_materials(struct rnd_gltf *gltf, struct rnd_scene *scene, const struct aiScene *file)
 {
-    const json_t *materials = json_object_get(gltf->root, "materials");
-    struct order order = {.size = json_array_size(materials)};
-    order.material = malloc((order.size + 1) * sizeof *order.material);
-    order.seen = calloc(order.size + 1, sizeof *order.seen);
-    bool ok = order.material && order.seen;
-    if (ok)
-        visit_nodes(&order, gltf, rnd_gltf_roots(gltf), 0);
-    else
-        rnd_gltf_fail(gltf, "not enough memory");
-    for (uint32_t i = 0; ok && i < scene->material_count; i++) {
-        const json_t *json = material_of(materials, &order, i, name_of(file->mMaterials[i]));
+    for (uint32_t i = 0; i < scene->material_count; i++) {
+        const int index = index_of(file->mMaterials[i]);
         rnd_material_init(&scene->material[i]);
-        if (json) ok = read_material(gltf, scene, json, &scene->material[i]);
+        if (index >= 0 && !read_material(gltf, scene, index, &scene->material[i])) return false;
     }
-    free(order.material);
-    free(order.seen);
-    return ok;
+    return true;
 }

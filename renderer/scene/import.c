@@ -480,7 +480,8 @@ bool rnd_import(struct rnd_scene *scene, const char *path, char out_error[RND_ER
     fclose(file);
     if (first == EOF) return fail(&in, cause ? strerror(cause) : "is empty");
     if (gltf && !rnd_gltf_open(&in.gltf, path, out_error)) return false;
-    in.file = aiImportFile(path, aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_FlipUVs);
+    const unsigned flags = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_FlipUVs;
+    in.file = gltf ? rnd_gltf_import(&in.gltf, flags) : aiImportFile(path, flags);
     if (!in.file || !in.file->mRootNode) {
         const char *why = aiGetErrorString();
         fail(&in, why && *why ? why : "holds no scene that can be read");
