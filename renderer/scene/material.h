@@ -15,8 +15,8 @@ void rnd_material_set_f0(struct rnd_material *material, vec3s f0);
 /* material.c: the cheapest kind that is right for it. */
 void rnd_material_set_kind(struct rnd_material *material);
 
-/* gltf_material.c: all of the scene's materials, which assimp has numbered. False and a line in gltf->error
- * for a value out of its range or an image that cannot be read. */
+/* gltf_material.c: all of the scene's materials, in the order of a file that rnd_gltf_import() has read. False
+ * and a line in gltf->error for a value out of its range or an image that cannot be read. */
 bool rnd_gltf_materials(struct rnd_gltf *gltf, struct rnd_scene *scene, const struct aiScene *file);
 
 /* mtl_material.c: one material of OBJ and the like. directory, "" or with a slash at its end, is where its

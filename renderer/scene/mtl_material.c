@@ -113,6 +113,17 @@ static vec3s each_side(vec3s through)
     return (vec3s){{sqrtf(through.x), sqrtf(through.y), sqrtf(through.z)}};
 }
 
+/* What is neither mirror nor glass, with a coat or without. */
+static bool read_matt(struct reader *r, bool coat, vec3s ks, float ns, struct rnd_material *to)
+{
+    if (!read_map(r, aiTextureType_DIFFUSE, RND_MAP_BASE, true, to)) return false;
+    if (!coat) return true;
+    /* Phong's exponent to GGX alpha (Walter 2007, section 5.3), then to roughness */
+    to->roughness = sqrtf(sqrtf(2.0f / (ns + 2.0f)));
+    rnd_material_set_f0(to, glms_vec3_minv(ks, glms_vec3_one()));
+    return read_map(r, aiTextureType_SPECULAR, RND_MAP_SPECULAR_COLOUR, true, to);
+}
+
 /* illum 3, 5 and 8 are mirrors, 4, 6, 7 and 9 glass, 2 a glossy coat when Ks is not black: reflectance Ks at
  * normal incidence, as wide as Phong's exponent Ns. */
 bool rnd_mtl_material(struct rnd_scene *scene, const struct aiScene *file, const struct aiMaterial *from,
@@ -156,14 +167,8 @@ bool rnd_mtl_material(struct rnd_scene *scene, const struct aiScene *file, const
         to->base = glms_vec3_minv(ks, glms_vec3_one());
         to->metallic = to->specular = 1.0f;
         to->roughness = 0.0f;
-    } else {
-        if (!read_map(&r, aiTextureType_DIFFUSE, RND_MAP_BASE, true, to)) return false;
-        if (illum == 2 && shiny && ns > 1.0f) {
-            /* Phong's exponent to GGX alpha (Walter 2007, section 5.3), then to roughness */
-            to->roughness = sqrtf(sqrtf(2.0f / (ns + 2.0f)));
-            rnd_material_set_f0(to, glms_vec3_minv(ks, glms_vec3_one()));
-            if (!read_map(&r, aiTextureType_SPECULAR, RND_MAP_SPECULAR_COLOUR, true, to)) return false;
-        }
+    } else if (!read_matt(&r, illum == 2 && shiny && ns > 1.0f, ks, ns, to)) {
+        return false;
     }
     if (!glass) { /* whose d is the glass once more */
         if (!read_map(&r, aiTextureType_OPACITY, RND_MAP_COVERAGE, false, to)) return false;
