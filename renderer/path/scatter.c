@@ -120,6 +120,10 @@ static void rich(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
                               .distance = s->distance[j]};
         const float side = s->front[j] ? 1.0f : -1.0f;
         hit.normal = (vec3s){{side * s->geometric.x[j], side * s->geometric.y[j], side * s->geometric.z[j]}};
+        if (s->instance[j] != RTC_INVALID_GEOMETRY_ID) {
+            hit.instance = &tracer->scene->instance[s->instance[j] - tracer->scene->mesh_count];
+            hit.normal = rnd_instance_normal_back(hit.instance, hit.normal);
+        }
         struct rnd_surface surface;
         struct rnd_bsdf_sample sample;
         rnd_surface_at(tracer->scene, &hit, direction, &surface);

@@ -24,13 +24,16 @@ void rnd_surface_at(const struct rnd_scene *scene, const struct rnd_hit *hit, ve
 
     out->material = material;
     for (int c = 0; c < 3; c++) out->position.raw[c] = rnd_interpolate(mesh->position, 3, c, index, u, v);
-    const vec3s outside = glms_vec3_normalize(hit->normal);
+    if (hit->instance) out->position = rnd_instance_point(hit->instance, out->position);
+    const vec3s outside = glms_vec3_normalize(
+        hit->instance ? rnd_instance_normal(hit->instance, hit->normal) : hit->normal);
     out->front = glms_vec3_dot(outside, direction) < 0.0f;
     out->geometric = out->front ? outside : glms_vec3_negate(outside);
     out->shading = out->geometric;
     if (mesh->normal) {
         vec3s n;
         for (int c = 0; c < 3; c++) n.raw[c] = rnd_interpolate(mesh->normal, 3, c, index, u, v);
+        if (hit->instance) n = rnd_instance_normal(hit->instance, n);
         n = glms_vec3_normalize(out->front ? n : glms_vec3_negate(n));
         if (glms_vec3_dot(n, direction) < 0.0f && glms_vec3_dot(n, out->geometric) > 0.0f) out->shading = n;
     }

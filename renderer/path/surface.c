@@ -66,7 +66,7 @@ static void gather(struct rnd_tracer *tracer, const uint32_t *order, uint32_t co
         to->direction.x[j] = from->direction.x[i];
         to->direction.y[j] = from->direction.y[i];
         to->direction.z[j] = from->direction.z[i];
-        to->width[j] = from->width[i] + t * from->spread[i];
+        s->footprint[j] = to->width[j] = from->width[i] + t * from->spread[i];
         to->spread[j] = from->spread[i];
     }
 #pragma omp simd
@@ -93,6 +93,20 @@ static void gather(struct rnd_tracer *tracer, const uint32_t *order, uint32_t co
 }
 
 /* --- geometry --- */
+
+static struct rnd_v3 instance_normal(const struct rnd_instance *instance, struct rnd_v3 n)
+{
+    const float *m = instance->normal_to_world;
+    return rnd_v3(m[0] * n.x + m[3] * n.y + m[6] * n.z, m[1] * n.x + m[4] * n.y + m[7] * n.z,
+                  m[2] * n.x + m[5] * n.y + m[8] * n.z);
+}
+
+static struct rnd_v3 instance_vector(const struct rnd_instance *instance, struct rnd_v3 d)
+{
+    const float *m = instance->to_world;
+    return rnd_v3(m[0] * d.x + m[3] * d.y + m[6] * d.z, m[1] * d.x + m[4] * d.y + m[7] * d.z,
+                  m[2] * d.x + m[5] * d.y + m[8] * d.z);
+}
 
 /* Unit normals that face where the ray came from, the shading normal by interpolation. */
 static void face(struct rnd_tracer *tracer, uint32_t count)
@@ -126,6 +140,34 @@ static void face(struct rnd_tracer *tracer, uint32_t count)
     }
 }
 
+/* What was hit through an instance has its normals in the mesh's own coordinates, and its textures by its own
+ * metres. */
+static void face_instances(struct rnd_tracer *tracer, uint32_t count)
+{
+    const struct rnd_scene *scene = tracer->scene;
+    struct rnd_surfaces *s = &tracer->surfaces;
+    for (uint32_t j = 0; j < count; j++) {
+        if (s->instance[j] == RTC_INVALID_GEOMETRY_ID) continue;
+        const struct rnd_instance *instance = &scene->instance[s->instance[j] - scene->mesh_count];
+        const struct rnd_record *record = &scene->record[s->record[j]];
+        const struct rnd_v3 direction = rnd_get(&tracer->paths[1].direction, j);
+        const float u = s->u[j], v = s->v[j], w = 1.0f - u - v;
+        struct rnd_v3 smooth = rnd_v3_scale(rnd_v3_normalize(rnd_octahedral_decode(record->normal[0])), w);
+        smooth = rnd_v3_muladd(rnd_v3_normalize(rnd_octahedral_decode(record->normal[1])), u, smooth);
+        smooth = rnd_v3_muladd(rnd_v3_normalize(rnd_octahedral_decode(record->normal[2])), v, smooth);
+        const struct rnd_v3 own = rnd_v3_scale(rnd_get(&s->geometric, j), s->front[j] ? 1.0f : -1.0f);
+        const struct rnd_v3 outside = rnd_v3_normalize(instance_normal(instance, own));
+        const float side = rnd_v3_dot(outside, direction) < 0.0f ? 1.0f : -1.0f;
+        const struct rnd_v3 geometric = rnd_v3_scale(outside, side),
+                            normal = rnd_v3_scale(rnd_v3_normalize(instance_normal(instance, smooth)), side);
+        const int good = (rnd_v3_dot(normal, direction) < 0.0f) & (rnd_v3_dot(normal, geometric) > 0.0f);
+        rnd_put(&s->geometric, j, geometric);
+        rnd_put(&s->normal, j, rnd_v3_select(good, normal, geometric));
+        s->front[j] = side > 0.0f;
+        s->footprint[j] /= instance->scale;
+    }
+}
+
 /* --- materials --- */
 
 /* log2 to a tenth: the exponent, and the mantissa as if it were straight. */
@@ -145,38 +187,54 @@ static int level_of(const struct rnd_texture *texture, float lod, float width, f
     return (int)rnd_smaller(rnd_larger(level, 0.0f), last);
 }
 
-/* Base colours of points begin to end: of the material, and its texture. */
+/* Look up a map for the point, by its own random neighbour of four; the texel is asked of memory now, and read
+ * later. */
+static void ask(struct rnd_tracer *tracer, const struct rnd_map *map, uint32_t j, uint32_t *looks)
+{
+    const struct rnd_paths *paths = &tracer->paths[1];
+    const struct rnd_surfaces *s = &tracer->surfaces;
+    const struct rnd_texture *texture = &tracer->scene->texture[map->texture];
+    const struct rnd_record *record = &tracer->scene->record[s->record[j]];
+    const float u = s->u[j], v = s->v[j], w = 1.0f - u - v, *m = map->transform;
+    float x = w * record->uv[0][0] + u * record->uv[1][0] + v * record->uv[2][0],
+          y = w * record->uv[0][1] + u * record->uv[1][1] + v * record->uv[2][1], r, t;
+    if (map->has_transform) {
+        const float own = x;
+        x = m[0] * own + m[1] * y + m[2];
+        y = m[3] * own + m[4] * y + m[5];
+    }
+    rnd_dither(paths->seed[j], paths->index[j], (uint32_t)tracer->depth, &r, &t);
+    const float cosine = fabsf(rnd_v3_dot(rnd_get(&paths->direction, j), rnd_get(&s->normal, j)));
+    const size_t texel = rnd_texture_pick(texture, map->wrap, x, y,
+                                          level_of(texture, record->lod, s->footprint[j], cosine), r, t);
+    tracer->look[(*looks)++] = (struct rnd_look){texture, texel, j};
+    __builtin_prefetch(texture->bytes ? (const void *)(texture->bytes + 4 * texel)
+                                      : (const void *)(texture->floats + 4 * texel));
+}
+
+static struct rnd_v3 vertex_colour(const struct rnd_tracer *tracer, uint32_t j)
+{
+    const struct rnd_surfaces *s = &tracer->surfaces;
+    const struct rnd_record *record = &tracer->scene->record[s->record[j]];
+    const float u = s->u[j], v = s->v[j];
+    struct rnd_v3 c = rnd_v3_scale(rnd_record_colour(record->colour[0]), 1.0f - u - v);
+    c = rnd_v3_muladd(rnd_record_colour(record->colour[1]), u, c);
+    return rnd_v3_muladd(rnd_record_colour(record->colour[2]), v, c);
+}
+
+/* Factors and base colours of points begin to end. */
 static void base_colours(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
 {
     const struct rnd_scene *scene = tracer->scene;
-    const struct rnd_paths *paths = &tracer->paths[1];
     struct rnd_surfaces *s = &tracer->surfaces;
-    struct rnd_look *look = tracer->look;
+    const struct rnd_look *look = tracer->look;
     uint32_t looks = 0;
     for (uint32_t j = begin; j < end; j++) {
         const struct rnd_material *material = &scene->material[s->material[j]];
-        s->base.x[j] = material->base.x;
-        s->base.y[j] = material->base.y;
-        s->base.z[j] = material->base.z;
-        s->metallic[j] = material->metallic;
-        s->alpha[j] = rnd_alpha(material->roughness);
-        s->f0[j] = material->f0;
-        s->f90[j] = material->specular;
-        const struct rnd_map *map = &material->map[RND_MAP_BASE];
-        if (map->texture < 0) continue;
-        const struct rnd_texture *texture = &scene->texture[map->texture];
-        const struct rnd_record *record = &scene->record[s->record[j]];
-        const float u = s->u[j], v = s->v[j], w = 1.0f - u - v;
-        float r, t;
-        rnd_dither(paths->seed[j], paths->index[j], (uint32_t)tracer->depth, &r, &t);
-        const float cosine = fabsf(rnd_v3_dot(rnd_get(&paths->direction, j), rnd_get(&s->normal, j)));
-        const size_t texel = rnd_texture_pick(
-            texture, map->wrap, w * record->uv[0][0] + u * record->uv[1][0] + v * record->uv[2][0],
-            w * record->uv[0][1] + u * record->uv[1][1] + v * record->uv[2][1],
-            level_of(texture, record->lod, paths->width[j], cosine), r, t);
-        look[looks++] = (struct rnd_look){texture, texel, j};
-        __builtin_prefetch(texture->bytes ? (const void *)(texture->bytes + 4 * texel)
-                                          : (const void *)(texture->floats + 4 * texel));
+        struct rnd_v3 base = {material->base.x, material->base.y, material->base.z};
+        if (scene->mesh[s->mesh[j]].colour) base = rnd_v3_mul(base, vertex_colour(tracer, j));
+        rnd_put(&s->base, j, base);
+        if (material->map[RND_MAP_BASE].texture >= 0) ask(tracer, &material->map[RND_MAP_BASE], j, &looks);
     }
     for (uint32_t k = 0; k < looks; k++) {
         const struct rnd_texel t = rnd_texture_texel(look[k].texture, look[k].texel);
@@ -184,6 +242,68 @@ static void base_colours(struct rnd_tracer *tracer, uint32_t begin, uint32_t end
         s->base.x[j] *= t.r;
         s->base.y[j] *= t.g;
         s->base.z[j] *= t.b;
+    }
+}
+
+/* Metalness, roughness and reflectance. */
+static void reflectances(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
+{
+    const struct rnd_scene *scene = tracer->scene;
+    struct rnd_surfaces *s = &tracer->surfaces;
+    const struct rnd_look *look = tracer->look;
+    uint32_t looks = 0;
+    for (uint32_t j = begin; j < end; j++) {
+        const struct rnd_material *material = &scene->material[s->material[j]];
+        s->metallic[j] = material->metallic;
+        s->alpha[j] = material->roughness; /* squared below */
+        s->f0[j] = material->f0;
+        s->f90[j] = material->specular;
+        const struct rnd_map *map = &material->map[RND_MAP_METAL_ROUGH];
+        if (map->texture >= 0) ask(tracer, map, j, &looks);
+    }
+    for (uint32_t k = 0; k < looks; k++) {
+        const struct rnd_texel t = rnd_texture_texel(look[k].texture, look[k].texel);
+        s->alpha[look[k].point] *= t.g;
+        s->metallic[look[k].point] *= t.b;
+    }
+    for (uint32_t j = begin; j < end; j++) s->alpha[j] = rnd_alpha(s->alpha[j]);
+}
+
+/* Bend the normals by normal maps (glTF 2.0 section 3.9.3); one that would face away from the ray stays as it was. */
+static void bend_normals(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
+{
+    const struct rnd_scene *scene = tracer->scene;
+    struct rnd_surfaces *s = &tracer->surfaces;
+    const struct rnd_look *look = tracer->look;
+    uint32_t looks = 0;
+    for (uint32_t j = begin; j < end; j++) {
+        const struct rnd_map *map = &scene->material[s->material[j]].map[RND_MAP_NORMAL];
+        if (map->texture >= 0) ask(tracer, map, j, &looks);
+    }
+    for (uint32_t k = 0; k < looks; k++) {
+        const uint32_t j = look[k].point;
+        const struct rnd_texel t = rnd_texture_texel(look[k].texture, look[k].texel);
+        const float scale = scene->material[s->material[j]].normal_scale, side = s->front[j] ? 1.0f : -1.0f;
+        const uint32_t code = scene->record[s->record[j]].tangent;
+        const struct rnd_v3 n = rnd_get(&s->normal, j), outside = rnd_v3_scale(n, side);
+        struct rnd_v3 along = rnd_octahedral_decode(code);
+        if (s->instance[j] != RTC_INVALID_GEOMETRY_ID)
+            along = instance_vector(&scene->instance[s->instance[j] - scene->mesh_count], along);
+        along = rnd_v3_muladd(outside, -rnd_v3_dot(along, outside), along);
+        const float length = sqrtf(rnd_v3_dot(along, along));
+        if (!(length > 1e-6f)) continue;
+        along = rnd_v3_scale(along, 1.0f / length);
+        const struct rnd_v3 across = rnd_v3_scale(rnd_v3_cross(outside, along), code & 1u ? -1.0f : 1.0f);
+        struct rnd_v3 bent = rnd_v3_scale(outside, 2.0f * t.b - 1.0f);
+        bent = rnd_v3_muladd(along, scale * (2.0f * t.r - 1.0f), bent);
+        /* green points up in the picture, and v down */
+        bent = rnd_v3_muladd(across, -scale * (2.0f * t.g - 1.0f), bent);
+        const float square = rnd_v3_dot(bent, bent);
+        if (!(square > 1e-12f)) continue;
+        bent = rnd_v3_scale(bent, side / sqrtf(square));
+        if (rnd_v3_dot(bent, rnd_get(&tracer->paths[1].direction, j)) < 0.0f &&
+            rnd_v3_dot(bent, rnd_get(&s->geometric, j)) > 0.0f)
+            rnd_put(&s->normal, j, bent);
     }
 }
 
@@ -201,7 +321,9 @@ uint32_t ISA(rnd_surface)(struct rnd_tracer *tracer, uint32_t count)
             miss[missed++] = i;
             continue;
         }
-        const struct rnd_mesh *mesh = &scene->mesh[hits->geometry[i]];
+        uint32_t m;
+        rnd_resolve_hit(scene, hits->geometry[i], hits->instance[i], &m);
+        const struct rnd_mesh *mesh = &scene->mesh[m];
         const enum rnd_material_kind kind = scene->material[mesh->material].kind;
         __builtin_prefetch(&scene->record[mesh->first_record + hits->primitive[i]]);
         list[kind][number[kind]++] = i;
@@ -210,8 +332,9 @@ uint32_t ISA(rnd_surface)(struct rnd_tracer *tracer, uint32_t count)
     for (int kind = 0; kind <= RND_RICH; kind++) {
         for (uint32_t k = 0; k < number[kind]; k++) {
             const uint32_t i = list[kind][k];
-            const struct rnd_mesh *mesh = &scene->mesh[hits->geometry[i]];
-            s->mesh[hit] = hits->geometry[i];
+            rnd_resolve_hit(scene, hits->geometry[i], hits->instance[i], &s->mesh[hit]);
+            const struct rnd_mesh *mesh = &scene->mesh[s->mesh[hit]];
+            s->instance[hit] = hits->instance[i];
             s->material[hit] = mesh->material;
             s->record[hit] = (uint32_t)mesh->first_record + hits->primitive[i];
             order[hit++] = i;
@@ -221,7 +344,10 @@ uint32_t ISA(rnd_surface)(struct rnd_tracer *tracer, uint32_t count)
     sky(tracer, miss, missed);
     gather(tracer, order, hit);
     face(tracer, hit);
+    if (scene->instance_count > 0) face_instances(tracer, hit);
     base_colours(tracer, 0, s->end[RND_METAL_ROUGH]);
+    reflectances(tracer, s->end[RND_DIFFUSE], s->end[RND_METAL_ROUGH]);
+    bend_normals(tracer, s->end[RND_DIFFUSE], s->end[RND_METAL_ROUGH]);
     return hit;
 }
 

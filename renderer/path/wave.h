@@ -53,8 +53,9 @@ struct rnd_ray_rest {
 /* Points on surfaces, in the order of the paths; sorted by kind of material. */
 struct rnd_surfaces {
     uint32_t end[RND_RICH + 1]; /* where each kind's points end; it begins where the one before ended */
-    rnd_words mesh, record, material, triangle;
+    rnd_words mesh, instance, record, material, triangle;
     rnd_floats distance, u, v;
+    rnd_floats footprint; /* width of the path's cone here, in the mesh's own metres */
     struct rnd_vectors normal, geometric; /* unit; both face where the ray came from */
     rnd_words front;                      /* hit from the outside: 0 or 1 */
     struct rnd_vectors base;

@@ -42,15 +42,25 @@ static void *build_geometry(void *argument)
     return NULL;
 }
 
+static bool has_coverage(const struct rnd_scene *scene)
+{
+    for (uint32_t i = 0; i < scene->material_count; i++)
+        if (scene->material[i].alpha_mode != RND_OPAQUE) return true;
+    return false;
+}
+
 static bool build(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE])
 {
     struct building geometry = {.scene = scene};
     pthread_t thread;
     const long processors = sysconf(_SC_NPROCESSORS_ONLN);
-    const bool apart = pthread_create(&thread, NULL, build_geometry, &geometry) == 0;
-    if (!apart) build_geometry(&geometry);
+    /* Only coverage asks for textures before the tree is built. */
+    const bool apart = !has_coverage(scene) && pthread_create(&thread, NULL, build_geometry, &geometry) == 0;
     const bool textures = rnd_textures_load(scene, processors > 0 ? (int)processors : 1, out_error);
-    if (apart) pthread_join(thread, NULL);
+    if (apart)
+        pthread_join(thread, NULL);
+    else if (textures)
+        build_geometry(&geometry);
     if (textures && !geometry.ok) memcpy(out_error, geometry.error, RND_ERROR_SIZE);
     return textures && geometry.ok && rnd_lights_build(scene, path, out_error);
 }
@@ -108,6 +118,8 @@ void rnd_scene_destroy(struct rnd_scene *scene)
         free(scene->mesh[i].index);
     }
     free(scene->mesh);
+    free(scene->instance);
+    free(scene->alpha);
     free(scene->material);
     for (uint32_t i = 0; i < scene->texture_count; i++) rnd_texture_finish(&scene->texture[i]);
     free(scene->texture);

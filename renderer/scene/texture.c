@@ -98,6 +98,7 @@ static void take_pixels(struct rnd_texture *texture, const struct rnd_pixels *pi
 {
     const size_t count = (size_t)pixels->width * pixels->height, n = pixels->channels;
     const size_t g = n >= 3 ? 1 : 0, b = 2 * g, a = n == 2 || n >= 4 ? (n == 2 ? 1 : 3) : 0;
+    texture->has_alpha = a != 0;
     for (size_t i = 0; i < count; i++) {
         const size_t channel[4] = {n * i, n * i + g, n * i + b, n * i + a};
         for (int c = 0; c < 4; c++)
@@ -108,8 +109,7 @@ static void take_pixels(struct rnd_texture *texture, const struct rnd_pixels *pi
     }
 }
 
-/* Read one texture, with its mipmaps. */
-static bool load(struct rnd_texture *texture, char out_error[RND_ERROR_SIZE])
+bool rnd_texture_load(struct rnd_texture *texture, char out_error[RND_ERROR_SIZE])
 {
     struct rnd_pixels pixels;
     char text[RND_ERROR_SIZE / 2];
@@ -193,7 +193,7 @@ static void *load_some(void *argument)
     for (;;) {
         const uint32_t i = atomic_fetch_add(&loading->next, 1);
         if (i >= scene->texture_count) return NULL;
-        if (load(&scene->texture[i], loading->error[i])) continue;
+        if (scene->texture[i].levels > 0 || rnd_texture_load(&scene->texture[i], loading->error[i])) continue;
         uint32_t known = atomic_load(&loading->failed);
         while (i < known && !atomic_compare_exchange_weak(&loading->failed, &known, i)) continue;
     }

@@ -3,6 +3,7 @@
 #define FOVEAD_RENDERER_TEXTURE_H
 
 #include "path/v3.h"
+#include "renderer.h"
 #include "scene/srgb.h"
 
 #include <math.h>
@@ -12,8 +13,8 @@
 
 enum { RND_MAX_LEVELS = 16 };
 
-/* glTF's wrap modes. */
-enum { RND_REPEAT, RND_MIRROR, RND_CLAMP };
+/* How a texture goes on outside of [0,1). */
+enum rnd_wrap { RND_REPEAT, RND_MIRROR, RND_CLAMP };
 
 struct rnd_level {
     int width, height;
@@ -25,6 +26,7 @@ struct rnd_texture {
     bool srgb;  /* the bytes of r, g and b are sRGB; floats are always linear */
     void *file; /* bytes of a file in memory until it is read, or NULL */
     size_t file_bytes;
+    bool has_alpha; /* the file has a channel for it; else it is 1 everywhere */
     int levels;
     float log2_size;                        /* of the square root of the finest level's texels */
     struct rnd_level level[RND_MAX_LEVELS]; /* each half of the one before, the last a single texel */
@@ -36,6 +38,8 @@ struct rnd_texel {
     float r, g, b, a; /* linear */
 };
 
+/* Read the file, and make the mipmaps. False and a line in out_error on failure. */
+bool rnd_texture_load(struct rnd_texture *texture, char out_error[RND_ERROR_SIZE]);
 void rnd_texture_finish(struct rnd_texture *texture);
 
 /* A texture coordinate brought into [0, 1]. */

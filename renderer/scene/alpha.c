@@ -1,0 +1,134 @@
+/* Coverage: rays pass where a masked or blended material is not. Embree asks at every hit of such a mesh, and
+ * of no other: a scene without them pays nothing.
+ *
+ * A blended hit counts with the probability of its coverage. The coin is a hash of the ray and the triangle,
+ * so that nothing is remembered: the same ray meets the same surface however often and in whatever order
+ * Embree asks.
+ */
+#include "scene/scene.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct rnd_alpha {
+    const struct rnd_mesh *mesh; /* NULL: it is there everywhere */
+    const struct rnd_material *material;
+    const struct rnd_texture *texture;
+};
+
+/* --- coverage --- */
+
+static const struct rnd_map *coverage_map(const struct rnd_material *material)
+{
+    const struct rnd_map *own = &material->map[RND_MAP_COVERAGE];
+    return own->texture >= 0 ? own : &material->map[RND_MAP_BASE];
+}
+
+static float coverage(const struct rnd_alpha *alpha, uint32_t triangle, float u, float v)
+{
+    const uint32_t *index = alpha->mesh->index[triangle];
+    const struct rnd_map *map = coverage_map(alpha->material);
+    const float *uv = alpha->mesh->uv[map->uv_set];
+    float value = alpha->material->alpha;
+    if (alpha->mesh->colour) value *= rnd_interpolate(alpha->mesh->colour, 4, 3, index, u, v);
+    if (!alpha->texture || !uv) return value;
+
+    float place[2];
+    rnd_map_uv(map, alpha->mesh, index, u, v, place);
+    const struct rnd_texel t = rnd_texture_bilinear(alpha->texture, map->wrap, place[0], place[1]);
+    return value * (alpha->texture->has_alpha ? t.a : t.r);
+}
+
+/* --- filters --- */
+
+static uint32_t mix(uint32_t hash, uint32_t value)
+{
+    hash = (hash ^ value) * 0x9e3779b1u;
+    hash ^= hash >> 15;
+    hash *= 0x85ebca77u;
+    return hash ^ hash >> 13;
+}
+
+/* Embree's names for the parts of a packet of N are C++; their layout is documented: a row of N each (struct
+ * RTCRayNp and RTCHitNp list them in order). */
+enum { RAY_ORG_X = 0, RAY_DIR_X = 4, HIT_U = 3, HIT_V, HIT_TRIANGLE, HIT_GEOMETRY, HIT_INSTANCE };
+
+/* In [0,1), of the i-th ray and what it hits. */
+static float coin(const struct RTCFilterFunctionNArguments *args, unsigned i)
+{
+    const uint32_t *ray = (const uint32_t *)args->ray + i, *hit = (const uint32_t *)args->hit + i;
+    const size_t n = args->N;
+    uint32_t hash = 0x243f6a88u;
+    for (size_t row = HIT_TRIANGLE; row <= HIT_INSTANCE; row++) hash = mix(hash, hit[row * n]);
+    for (size_t axis = 0; axis < 3; axis++)
+        hash = mix(mix(hash, ray[(RAY_ORG_X + axis) * n]), ray[(RAY_DIR_X + axis) * n]);
+    return (float)(hash >> 8) * 0x1p-24f;
+}
+
+/* Of rays that meet and rays that are stopped alike. */
+static void filter(const struct RTCFilterFunctionNArguments *args)
+{
+    const struct rnd_alpha *alpha = args->geometryUserPtr;
+    const struct rnd_material *material = alpha->material;
+    const size_t n = args->N;
+    for (unsigned i = 0; i < n; i++) {
+        const float *hit = (const float *)args->hit + i;
+        if (args->valid[i] == 0) continue;
+        const uint32_t triangle = ((const uint32_t *)args->hit)[HIT_TRIANGLE * n + i];
+        const float there = coverage(alpha, triangle, hit[HIT_U * n], hit[HIT_V * n]);
+        /* glTF 2.0 section 3.9.4: what equals the cut-off is there */
+        const bool hits =
+            material->alpha_mode == RND_MASK ? there >= material->alpha_cutoff : coin(args, i) < there;
+        if (!hits) args->valid[i] = 0;
+    }
+}
+
+/* Can a texture's coverage be less than whole? */
+static bool has_holes(const struct rnd_texture *texture, int channel)
+{
+    const size_t count = (size_t)texture->level[0].width * (size_t)texture->level[0].height;
+    for (size_t i = 0; i < count; i++)
+        if (texture->floats ? texture->floats[4 * i + channel] < 1.0f : texture->bytes[4 * i + channel] < 255)
+            return true;
+    return false;
+}
+
+/* The texture that a material's coverage comes from, or NULL where that is whole. */
+static const struct rnd_texture *coverage_texture(const struct rnd_scene *scene,
+                                                  const struct rnd_material *material)
+{
+    const struct rnd_map *map = coverage_map(material);
+    if (map->texture < 0) return NULL;
+    const struct rnd_texture *texture = &scene->texture[map->texture];
+    if (!texture->has_alpha && map != &material->map[RND_MAP_COVERAGE]) return NULL;
+    return has_holes(texture, texture->has_alpha ? 3 : 0) ? texture : NULL;
+}
+
+bool rnd_alpha_build(struct rnd_scene *scene)
+{
+    const struct rnd_texture **texture = calloc(scene->material_count + 1, sizeof *texture);
+    scene->alpha = calloc(scene->mesh_count + 1, sizeof *scene->alpha);
+    const bool ok = texture && scene->alpha;
+    for (uint32_t i = 0; ok && i < scene->material_count; i++)
+        if (scene->material[i].alpha_mode != RND_OPAQUE)
+            texture[i] = coverage_texture(scene, &scene->material[i]);
+    for (uint32_t i = 0; ok && i < scene->mesh_count; i++) {
+        const struct rnd_mesh *mesh = &scene->mesh[i];
+        const struct rnd_material *material = &scene->material[mesh->material];
+        if (material->alpha_mode == RND_OPAQUE) continue;
+        const float whole = material->alpha_mode == RND_MASK ? material->alpha_cutoff : 1.0f;
+        if (material->alpha >= whole && !texture[mesh->material] && !mesh->colour) continue;
+        scene->alpha[i] =
+            (struct rnd_alpha){.mesh = mesh, .material = material, .texture = texture[mesh->material]};
+    }
+    free(texture);
+    return ok;
+}
+
+void rnd_alpha_attach(const struct rnd_scene *scene, uint32_t mesh, RTCGeometry geometry)
+{
+    if (!scene->alpha[mesh].mesh) return;
+    rtcSetGeometryUserData(geometry, &scene->alpha[mesh]);
+    rtcSetGeometryIntersectFilterFunction(geometry, filter);
+    rtcSetGeometryOccludedFilterFunction(geometry, filter);
+}
