@@ -124,7 +124,7 @@ static void add_emission(const struct rnd_scene *scene, struct rnd_path *path,
 {
     if (!(rnd_luminance(surface->emission.raw) > 0.0f)) return;
     float weight = 1.0f;
-    if (!path->delta)
+    if (!path->delta && !surface->material->unlit) /* which is no light that is ever chosen */
         weight = rnd_power_heuristic(
             path->pdf, rnd_area_pdf(scene, hit->mesh, hit->triangle, path->direction, hit->distance));
     add(path, surface->emission, weight);
@@ -199,10 +199,10 @@ static uint32_t shade(struct rnd_tracer *tracer, struct rnd_path *paths, uint32_
         }
         struct rnd_surface surface;
         rnd_surface_at(scene, hit, path->direction, &surface);
+        path->throughput = glms_vec3_mul(path->throughput, rnd_transmittance(&surface, hit->distance));
         add_emission(scene, path, &surface, hit);
         if (last) continue;
-        if (surface.material->kind != RND_RICH &&
-            choose_light(scene, path, &surface, dimension, &tracer->shadow[shadows], &tracer->ray[shadows]))
+        if (choose_light(scene, path, &surface, dimension, &tracer->shadow[shadows], &tracer->ray[shadows]))
             tracer->shadow[shadows++].path = p;
         if (bounce(path, &surface, depth, dimension)) tracer->alive[alive++] = p;
     }
