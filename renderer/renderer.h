@@ -43,7 +43,7 @@ struct rnd_scene_options {
 };
 
 struct rnd_scene_info {
-    uint64_t triangles, emissive_triangles;
+    uint64_t triangles, emissive_triangles; /* those of a mesh that is in many places count in each */
     uint32_t meshes, materials, textures, punctual_lights;
     bool has_env, has_sun;
     float eye[3];

@@ -33,6 +33,7 @@ struct rnd_hit {
     float u, v;              /* barycentric */
     float distance;
     vec3s normal; /* of the triangle, of any length: its outside is where the vertices turn left */
+    const struct rnd_instance *instance; /* through which the mesh is seen, or NULL: the world's own */
 };
 
 /* surface.c: the surface at a hit of a ray with that direction. */

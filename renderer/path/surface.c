@@ -33,6 +33,7 @@ struct place {
     const struct rnd_mesh *mesh;
     const struct rnd_material *material;
     const uint32_t *index;
+    const struct rnd_instance *instance;
     float u, v;
 };
 
@@ -63,27 +64,11 @@ static vec3s map_rgb(const struct place *at, enum rnd_map_use use)
     return texture ? rnd_texture_rgb(texture, uv[0], uv[1]) : glms_vec3_one();
 }
 
-static float texel_alpha(const struct rnd_pixels *p, int x, int y)
-{
-    if (p->channels != 2 && p->channels < 4) return 1.0f;
-    const size_t i = ((size_t)y * p->width + x) * p->channels + (p->channels == 2 ? 1 : 3);
-    return p->floats ? p->floats[i] : p->bytes[i] / 255.0f;
-}
-
-/* As rnd_texture_rgb, of the alpha channel; 1 where there is none. */
 static float map_alpha(const struct place *at, enum rnd_map_use use)
 {
     float uv[2];
     const struct rnd_texture *texture = look(at, use, uv);
-    if (!texture) return 1.0f;
-    const struct rnd_pixels *p = &texture->pixels;
-    const int w = p->width, h = p->height;
-    const float x = (uv[0] - floorf(uv[0])) * w - 0.5f, y = (uv[1] - floorf(uv[1])) * h - 0.5f;
-    const int x0 = (int)floorf(x), y0 = (int)floorf(y);
-    const float fx = x - x0, fy = y - y0;
-    const int xs[2] = {(x0 + w) % w, (x0 + 1) % w}, ys[2] = {(y0 + h) % h, (y0 + 1) % h};
-    return (1.0f - fy) * ((1.0f - fx) * texel_alpha(p, xs[0], ys[0]) + fx * texel_alpha(p, xs[1], ys[0])) +
-           fy * ((1.0f - fx) * texel_alpha(p, xs[0], ys[1]) + fx * texel_alpha(p, xs[1], ys[1]));
+    return texture ? rnd_texture_alpha(texture, at->material->map[use].wrap, uv[0], uv[1]) : 1.0f;
 }
 
 /* --- normals --- */
@@ -100,9 +85,12 @@ static vec3s map_normal(const struct place *at, enum rnd_map_use use, float scal
         memcpy(corner[k], at->mesh->uv[map->uv_set] + 2 * (size_t)at->index[k], sizeof corner[k]);
         transform(map, corner[k]);
     }
-    const vec3s p = rnd_vertex(at->mesh, at->index[0]),
-                e1 = glms_vec3_sub(rnd_vertex(at->mesh, at->index[1]), p),
-                e2 = glms_vec3_sub(rnd_vertex(at->mesh, at->index[2]), p);
+    vec3s p[3];
+    for (int k = 0; k < 3; k++) {
+        p[k] = rnd_vertex(at->mesh, at->index[k]);
+        if (at->instance) p[k] = rnd_instance_point(at->instance, p[k]);
+    }
+    const vec3s e1 = glms_vec3_sub(p[1], p[0]), e2 = glms_vec3_sub(p[2], p[0]);
     const float u1 = corner[1][0] - corner[0][0], v1 = corner[1][1] - corner[0][1],
                 u2 = corner[2][0] - corner[0][0], v2 = corner[2][1] - corner[0][1];
     const float turn = u1 * v2 - u2 * v1 < 0.0f ? -1.0f : 1.0f;
@@ -162,19 +150,21 @@ void rnd_surface_at(const struct rnd_scene *scene, const struct rnd_hit *hit, ve
     const struct rnd_mesh *mesh = &scene->mesh[hit->mesh];
     const struct rnd_material *material = &scene->material[mesh->material];
     const uint32_t *index = mesh->index[hit->triangle];
-    const struct place at = {scene, mesh, material, index, hit->u, hit->v};
+    const struct place at = {scene, mesh, material, index, hit->instance, hit->u, hit->v};
 
     out->material = material;
     for (int c = 0; c < 3; c++)
         out->position.raw[c] = rnd_interpolate(mesh->position, 3, c, index, hit->u, hit->v);
-    const vec3s outside = glms_vec3_normalize(hit->normal);
+    if (hit->instance) out->position = rnd_instance_point(hit->instance, out->position);
+    const vec3s outside =
+        glms_vec3_normalize(hit->instance ? rnd_instance_normal(hit->instance, hit->normal) : hit->normal);
     out->front = glms_vec3_dot(outside, direction) < 0.0f;
     out->geometric = out->front ? outside : glms_vec3_negate(outside);
     vec3s smooth = outside;
     if (mesh->normal) {
         vec3s n;
         for (int c = 0; c < 3; c++) n.raw[c] = rnd_interpolate(mesh->normal, 3, c, index, hit->u, hit->v);
-        n = glms_vec3_normalize(n);
+        n = glms_vec3_normalize(hit->instance ? rnd_instance_normal(hit->instance, n) : n);
         const float side = out->front ? 1.0f : -1.0f;
         if (side * glms_vec3_dot(n, direction) < 0.0f && glms_vec3_dot(n, outside) > 0.0f) smooth = n;
     }

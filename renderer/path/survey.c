@@ -61,8 +61,12 @@ static void walk(const struct rnd_scene *scene, uint32_t index, double square[RN
 
         struct rnd_surface surface;
         struct rnd_bsdf_sample sample;
+        uint32_t mesh;
+        const struct rnd_instance *instance =
+            rnd_resolve_hit(scene, hit.hit.geomID, hit.hit.instID[0], &mesh);
         rnd_surface_at(scene,
-                       &(struct rnd_hit){.mesh = hit.hit.geomID,
+                       &(struct rnd_hit){.mesh = mesh,
+                                         .instance = instance,
                                          .triangle = hit.hit.primID,
                                          .u = hit.hit.u,
                                          .v = hit.hit.v,

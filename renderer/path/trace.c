@@ -42,6 +42,12 @@ void rnd_tracer_destroy(struct rnd_tracer *tracer)
 
 /* --- rays --- */
 
+static void resolve(const struct rnd_scene *scene, struct rnd_hit *hit, uint32_t inst_id)
+{
+    if (hit->mesh != RTC_INVALID_GEOMETRY_ID)
+        hit->instance = rnd_resolve_hit(scene, hit->mesh, inst_id, &hit->mesh);
+}
+
 /* Find what alive paths hit, WIDTH rays at a time; Embree has a type and a function for every width. */
 #define INTERSECT(name, WIDTH, coherence)                                                                    \
     static void name(struct rnd_tracer *tracer, const struct rnd_path *paths, uint32_t count)                \
@@ -66,7 +72,7 @@ void rnd_tracer_destroy(struct rnd_tracer *tracer)
                 packet.hit.geomID[i] = packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;                    \
             }                                                                                                \
             rtcIntersect##WIDTH(valid, tracer->scene->tree, &context, &packet);                              \
-            for (uint32_t i = 0; i < n; i++)                                                                 \
+            for (uint32_t i = 0; i < n; i++) {                                                               \
                 tracer->hit[first + i] = (struct rnd_hit){                                                   \
                     .mesh = packet.hit.geomID[i],                                                            \
                     .triangle = packet.hit.primID[i],                                                        \
@@ -74,6 +80,8 @@ void rnd_tracer_destroy(struct rnd_tracer *tracer)
                     .v = packet.hit.v[i],                                                                    \
                     .distance = packet.ray.tfar[i],                                                          \
                     .normal = {{packet.hit.Ng_x[i], packet.hit.Ng_y[i], packet.hit.Ng_z[i]}}};               \
+                resolve(tracer->scene, &tracer->hit[first + i], packet.hit.instID[0][i]);                    \
+            }                                                                                                \
         }                                                                                                    \
     }
 

@@ -1,7 +1,34 @@
-/* Embree: one tree over all triangles; geometry ids are mesh indices. */
+/* Embree: one tree over all triangles of the world, where geometry ids are mesh indices; meshes that are seen
+ * many times have a tree of their own, and an instance of it, numbered after the meshes, for each time.
+ */
 #include "scene/scene.h"
 
 #include <stdio.h>
+#include <stdlib.h>
+
+static void attach_mesh(const struct rnd_scene *scene, uint32_t i, RTCScene tree, uint32_t id)
+{
+    const struct rnd_mesh *mesh = &scene->mesh[i];
+    RTCGeometry geometry = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->position, 0,
+                               3 * sizeof(float), mesh->vertices);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->index, 0,
+                               sizeof *mesh->index, mesh->triangles);
+    rnd_alpha_attach(scene, i, geometry);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(tree, geometry, id);
+    rtcReleaseGeometry(geometry);
+}
+
+static void attach_instance(const struct rnd_scene *scene, uint32_t i, RTCScene part)
+{
+    RTCGeometry geometry = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(geometry, part);
+    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, scene->instance[i].to_world);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(scene->tree, geometry, scene->mesh_count + i);
+    rtcReleaseGeometry(geometry);
+}
 
 bool rnd_accel_build(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE])
 {
@@ -11,18 +38,27 @@ bool rnd_accel_build(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE])
                  (int)rtcGetDeviceError(NULL));
         return false;
     }
+    RTCScene *part = calloc(scene->mesh_count + 1, sizeof *part); /* trees of meshes that have their own */
+    if (!part || !rnd_alpha_build(scene)) {
+        snprintf(out_error, RND_ERROR_SIZE, "not enough memory");
+        free(part);
+        return false;
+    }
     scene->tree = rtcNewScene(scene->device);
     for (uint32_t i = 0; i < scene->mesh_count; i++) {
-        const struct rnd_mesh *mesh = &scene->mesh[i];
-        RTCGeometry geometry = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->position, 0,
-                                   3 * sizeof(float), mesh->vertices);
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->index, 0,
-                                   sizeof *mesh->index, mesh->triangles);
-        rtcCommitGeometry(geometry);
-        rtcAttachGeometryByID(scene->tree, geometry, i);
-        rtcReleaseGeometry(geometry);
+        if (!scene->mesh[i].instanced) {
+            attach_mesh(scene, i, scene->tree, i);
+            continue;
+        }
+        part[i] = rtcNewScene(scene->device);
+        attach_mesh(scene, i, part[i], 0);
+        rtcCommitScene(part[i]);
     }
+    for (uint32_t i = 0; i < scene->instance_count; i++)
+        attach_instance(scene, i, part[scene->instance[i].mesh]);
+    for (uint32_t i = 0; i < scene->mesh_count; i++)
+        if (part[i]) rtcReleaseScene(part[i]); /* its instances hold it */
+    free(part);
     rtcCommitScene(scene->tree);
     const enum RTCError code = rtcGetDeviceError(scene->device);
     if (code == RTC_ERROR_NONE) return true;

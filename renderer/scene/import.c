@@ -1,32 +1,42 @@
-/* Scene files by assimp: its nodes are flattened into meshes in the world, its materials mapped to ours. */
+/* Scene files by assimp: its nodes are flattened into meshes in the world, but for those that instances of
+ * one mesh stand for.
+ */
+#include "scene/gltf.h"
+#include "scene/material.h"
 #include "scene/scene.h"
 
 #include <assimp/cimport.h>
-#include <assimp/config.h>
-#include <assimp/material.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
-#include <assimp/GltfMaterial.h>
-#include <assimp/ObjMaterial.h>
 
-#include <ctype.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #define MAX_TRIANGLES 500000000ull /* and as many vertices */
 /* Beyond this, m, the square of a triangle's area leaves float; and texture coordinates their texel. */
 #define MAX_COORDINATE 1e9f
 
+enum { MAX_INSTANCES = 10000000 };
+
+/* What becomes of a mesh of the file. */
+struct use {
+    uint64_t count; /* in how many places it is */
+    bool shared;    /* it is stored once, and instances stand for it */
+    bool stored;    /* that has been done: as this mesh of the scene, between these corners */
+    uint32_t mesh;
+    struct aiVector3D low, high;
+};
+
 struct import {
     struct rnd_scene *scene;
     const struct aiScene *file;
     const char *path;
-    char directory[2048]; /* with its slash, or "" */
-    bool gltf;            /* else OBJ and the like, whose materials are Phong's and have no sides */
-    uint64_t vertices;
+    char directory[2048];         /* with its slash, or "" */
+    struct rnd_gltf gltf;         /* without a root for OBJ and the like */
+    struct use *use;              /* of the file's meshes */
+    uint64_t triangles, vertices; /* that are stored */
     bool has_eye;
     char *error;
 };
@@ -48,173 +58,17 @@ void rnd_scene_unsupported(struct rnd_scene *scene, const char *name)
     snprintf(scene->unsupported + used, sizeof scene->unsupported - used, "%s%s", used ? ", " : "", name);
 }
 
-/* --- materials --- */
-
-/* A glTF names files by URI; assimp leaves its %20 and the like as they are. In place. */
-static void decode_percent(char *text)
-{
-    char *to = text;
-    for (const char *from = text; *from; to++) {
-        unsigned byte;
-        if (*from == '%' && isxdigit((unsigned char)from[1]) && isxdigit((unsigned char)from[2]) &&
-            sscanf(from + 1, "%2x", &byte) == 1 && byte != 0) {
-            *to = (char)byte;
-            from += 3;
-        } else {
-            *to = *from++;
-        }
-    }
-    *to = 0;
-}
-
-/* Index of a material's texture, or -1 if it has none. False if it names one that cannot be read. */
-static bool read_texture(struct import *in, const struct aiMaterial *from, enum aiTextureType type, bool srgb,
-                         int *out_index)
-{
-    struct aiString name;
-    unsigned channel = 0;
-    *out_index = -1;
-    if (aiGetMaterialTexture(from, type, 0, &name, NULL, &channel, NULL, NULL, NULL, NULL) !=
-        aiReturn_SUCCESS)
-        return true;
-    if (channel > 0) rnd_scene_unsupported(in->scene, "second texture coordinates");
-
-    if (name.data[0] == '*') { /* embedded */
-        const unsigned long i = strtoul(name.data + 1, NULL, 10);
-        if (i >= in->file->mNumTextures || in->file->mTextures[i]->mHeight != 0)
-            return fail(in, "an embedded texture is not a compressed image");
-        const struct aiTexture *texture = in->file->mTextures[i];
-        char label[300]; /* OpenImageIO goes by the ending */
-        snprintf(label, sizeof label, "%.200s: texture %lu.%s", in->path, i,
-                 strcmp(texture->achFormatHint, "jpeg") == 0 ? "jpg" : texture->achFormatHint);
-        *out_index = rnd_texture_add(in->scene, label, texture->pcData, texture->mWidth, srgb, in->error);
-        return *out_index >= 0;
-    }
-    char path[4096];
-    if (snprintf(path, sizeof path, "%s%s", name.data[0] == '/' ? "" : in->directory, name.data) >=
-        (int)sizeof path)
-        return fail(in, "a texture's path is too long");
-    for (char *c = path; *c; c++)
-        if (*c == '\\') *c = '/';
-    if (in->gltf && access(path, F_OK) != 0) decode_percent(path + strlen(path) - name.length);
-    *out_index = rnd_texture_add(in->scene, path, NULL, 0, srgb, in->error);
-    return *out_index >= 0;
-}
-
-static vec3s read_colour(const struct aiMaterial *from, const char *key, vec3s otherwise)
-{
-    struct aiColor4D c;
-    if (aiGetMaterialColor(from, key, 0, 0, &c) != aiReturn_SUCCESS) return otherwise;
-    return (vec3s){{c.r, c.g, c.b}};
-}
-
-static float read_float(const struct aiMaterial *from, const char *key, float otherwise)
-{
-    ai_real value;
-    return aiGetMaterialFloatArray(from, key, 0, 0, &value, NULL) == aiReturn_SUCCESS ? value : otherwise;
-}
-
-/* Keys as text: assimp's macros expand to (key, type, index). */
-#define KEY(macro)             KEY_(macro)
-#define KEY_(key, type, index) key
-
-static bool read_gltf_material(struct import *in, const struct aiMaterial *from, struct rnd_material *to)
-{
-    int sides = 0;
-    to->base = read_colour(from, KEY(AI_MATKEY_BASE_COLOR), to->base);
-    to->metallic = read_float(from, KEY(AI_MATKEY_METALLIC_FACTOR), 1.0f);
-    to->roughness = read_float(from, KEY(AI_MATKEY_ROUGHNESS_FACTOR), 1.0f);
-    to->ior = read_float(from, KEY(AI_MATKEY_REFRACTI), 1.5f);
-    to->emission = read_colour(from, KEY(AI_MATKEY_COLOR_EMISSIVE), glms_vec3_zero());
-    aiGetMaterialIntegerArray(from, AI_MATKEY_TWOSIDED, &sides, NULL);
-    to->double_sided = sides != 0;
-    if (!read_texture(in, from, aiTextureType_BASE_COLOR, true, &to->map[RND_MAP_BASE].texture) ||
-        !read_texture(in, from, aiTextureType_METALNESS, false, &to->map[RND_MAP_METAL_ROUGH].texture) ||
-        !read_texture(in, from, aiTextureType_EMISSIVE, true, &to->map[RND_MAP_EMISSION].texture))
-        return false;
-    const float transmission = read_float(from, KEY(AI_MATKEY_TRANSMISSION_FACTOR), 0.0f);
-    if (transmission >= 0.5f) to->kind = RND_RICH;
-    if (transmission > 0.0f && transmission < 1.0f) rnd_scene_unsupported(in->scene, "partial transmission");
-    if (transmission > 0.0f && to->roughness > 0.0f) rnd_scene_unsupported(in->scene, "rough transmission");
-    return true;
-}
-
-/* Wavefront MTL: illum 3 and 5 are mirrors, 4, 6, 7 and 9 glass, 2 a glossy coat when Ks is not black. */
-static bool read_mtl_material(struct import *in, const struct aiMaterial *from, struct rnd_material *to)
-{
-    int illum = 1;
-    aiGetMaterialIntegerArray(from, AI_MATKEY_OBJ_ILLUM, &illum, NULL);
-    const vec3s ks = read_colour(from, KEY(AI_MATKEY_COLOR_SPECULAR), glms_vec3_zero());
-    const float ns = read_float(from, KEY(AI_MATKEY_SHININESS), 0.0f);
-    to->base = read_colour(from, KEY(AI_MATKEY_COLOR_DIFFUSE), to->base);
-    to->emission = read_colour(from, KEY(AI_MATKEY_COLOR_EMISSIVE), glms_vec3_zero());
-    to->ior = read_float(from, KEY(AI_MATKEY_REFRACTI), 1.5f);
-    to->double_sided = true;
-    to->metallic = 0.0f;
-    to->specular = 0.0f;
-    if (!read_texture(in, from, aiTextureType_DIFFUSE, true, &to->map[RND_MAP_BASE].texture) ||
-        !read_texture(in, from, aiTextureType_EMISSIVE, true, &to->map[RND_MAP_EMISSION].texture))
-        return false;
-    const bool shiny = rnd_luminance(ks.raw) > 0.0f;
-    if ((illum == 4 || illum == 6 || illum == 7 || illum == 9) && to->ior > 1.0f) {
-        to->kind = RND_RICH;
-        to->base = glms_vec3_one();
-    } else if ((illum == 3 || illum == 5) && shiny) {
-        to->base = ks;
-        to->metallic = 1.0f;
-        to->roughness = 0.0f;
-        to->map[RND_MAP_BASE].texture = -1;
-    } else if (illum == 2 && shiny && ns > 1.0f) {
-        to->specular = 1.0f;
-        to->roughness =
-            sqrtf(sqrtf(2.0f / (ns + 2.0f))); /* Phong's exponent to GGX alpha, then to roughness */
-    }
-    return true;
-}
-
-static const char *material_name(const void *context, uint32_t index)
-{
-    const struct import *in = context;
-    const struct aiMaterialProperty *name;
-    if (aiGetMaterialProperty(in->file->mMaterials[index], AI_MATKEY_NAME, &name) != aiReturn_SUCCESS)
-        return "";
-    return name->mDataLength > 4 ? name->mData + 4 : ""; /* a length of four bytes, then text and its end */
-}
-
 static bool read_materials(struct import *in)
 {
     struct rnd_scene *scene = in->scene;
     scene->material_count = in->file->mNumMaterials;
     scene->material = calloc(scene->material_count ? scene->material_count : 1, sizeof *scene->material);
     if (!scene->material) return fail(in, "not enough memory");
-    for (uint32_t i = 0; i < scene->material_count; i++) {
-        struct rnd_material *to = &scene->material[i];
-        *to = (struct rnd_material){.kind = RND_METAL_ROUGH,
-                                    .base = {{0.8f, 0.8f, 0.8f}},
-                                    .alpha = 1.0f,
-                                    .alpha_cutoff = 0.5f,
-                                    .roughness = 1.0f,
-                                    .specular = 1.0f,
-                                    .specular_colour = {{1.0f, 1.0f, 1.0f}},
-                                    .ior = 1.5f,
-                                    .thin = true,
-                                    .normal_scale = 1.0f,
-                                    .clearcoat_normal_scale = 1.0f};
-        for (int use = 0; use < RND_MAPS; use++) to->map[use].texture = -1;
-        if (!(in->gltf ? read_gltf_material : read_mtl_material)(in, in->file->mMaterials[i], to))
+    if (in->gltf.root) return rnd_gltf_materials(&in->gltf, scene, in->file);
+    for (uint32_t i = 0; i < scene->material_count; i++)
+        if (!rnd_mtl_material(scene, in->file, in->file->mMaterials[i], in->path, in->directory,
+                              &scene->material[i], in->error))
             return false;
-    }
-    if (!rnd_import_gltf_extras(scene, in->path, material_name, in, in->error)) return false;
-    for (uint32_t i = 0; i < scene->material_count; i++) {
-        struct rnd_material *m = &scene->material[i];
-        const bool lambert =
-            m->specular == 0.0f && m->metallic == 0.0f && m->map[RND_MAP_METAL_ROUGH].texture < 0;
-        if (m->kind == RND_METAL_ROUGH && lambert) m->kind = RND_DIFFUSE;
-        if (!isfinite(rnd_luminance(m->base.raw)) || !isfinite(rnd_luminance(m->emission.raw)) ||
-            !isfinite(m->roughness) || !isfinite(m->metallic) || !(m->ior >= 1.0f) ||
-            rnd_luminance(m->emission.raw) < 0.0f)
-            return fail(in, "a material has a value that is not finite or out of range");
-    }
     return true;
 }
 
@@ -227,49 +81,105 @@ static vec3s transform(const struct aiMatrix4x4 *m, const struct aiVector3D *p, 
                     m->c1 * p->x + m->c2 * p->y + m->c3 * p->z + m->c4 * w}};
 }
 
+static bool in_range(vec3s p)
+{
+    return fabsf(p.x) <= MAX_COORDINATE && fabsf(p.y) <= MAX_COORDINATE && fabsf(p.z) <= MAX_COORDINATE;
+}
+
+static void extend_bounds(struct import *in, vec3s p)
+{
+    for (int k = 0; k < 3; k++) {
+        in->scene->info.bounds[0][k] = fminf(in->scene->info.bounds[0][k], p.raw[k]);
+        in->scene->info.bounds[1][k] = fmaxf(in->scene->info.bounds[1][k], p.raw[k]);
+    }
+}
+
+/* How normals go when points go by m, keeping their side. False if m has no inverse. */
+static bool normal_matrix(const struct aiMatrix4x4 *m, struct aiMatrix4x4 *out)
+{
+    const float determinant = aiMatrix4Determinant(m);
+    *out = *m;
+    aiMatrix4Inverse(out);
+    aiTransposeMatrix4(out);
+    return isfinite(determinant) && determinant != 0.0f && isfinite(out->a1 + out->a2 + out->a3) &&
+           isfinite(out->b1 + out->b2 + out->b3) && isfinite(out->c1 + out->c2 + out->c3);
+}
+
 static bool read_vertices(struct import *in, const struct aiMesh *from, const struct aiMatrix4x4 *world,
                           struct rnd_mesh *to)
 {
-    /* Normals go by the inverse transpose, that is by the cofactors. */
-    struct aiMatrix4x4 inverse = *world;
-    aiMatrix4Inverse(&inverse);
-    aiTransposeMatrix4(&inverse);
+    struct aiMatrix4x4 normals;
+    if (!normal_matrix(world, &normals)) aiIdentityMatrix4(&normals); /* flattened to nothing, or nearly */
     for (uint32_t i = 0; i < to->vertices; i++) {
         const vec3s p = transform(world, &from->mVertices[i], 1.0f);
-        if (!(fabsf(p.x) <= MAX_COORDINATE && fabsf(p.y) <= MAX_COORDINATE && fabsf(p.z) <= MAX_COORDINATE)) {
+        if (!in_range(p)) {
             char what[160];
             snprintf(what, sizeof what, "vertex %u of mesh \"%.60s\" is not finite or beyond %g m", i,
                      from->mName.data, (double)MAX_COORDINATE);
             return fail(in, what);
         }
         memcpy(to->position + 3 * (size_t)i, p.raw, sizeof p);
-        for (int k = 0; k < 3; k++) {
-            in->scene->info.bounds[0][k] = fminf(in->scene->info.bounds[0][k], p.raw[k]);
-            in->scene->info.bounds[1][k] = fmaxf(in->scene->info.bounds[1][k], p.raw[k]);
-        }
-        if (to->normal) {
-            const vec3s n = glms_vec3_normalize(transform(&inverse, &from->mNormals[i], 0.0f));
-            memcpy(to->normal + 3 * (size_t)i, n.raw, sizeof n);
-        }
-        if (to->uv[0]) {
-            const struct aiVector3D *t = &from->mTextureCoords[0][i];
-            to->uv[0][2 * (size_t)i] = fabsf(t->x) <= MAX_COORDINATE ? t->x : 0.0f;
-            to->uv[0][2 * (size_t)i + 1] = fabsf(t->y) <= MAX_COORDINATE ? t->y : 0.0f;
-        }
+        if (!to->instanced) extend_bounds(in, p);
+        if (!to->normal) continue;
+        const vec3s n = glms_vec3_normalize(transform(&normals, &from->mNormals[i], 0.0f));
+        memcpy(to->normal + 3 * (size_t)i, (isfinite(glms_vec3_norm2(n)) ? n : glms_vec3_zero()).raw,
+               sizeof n);
     }
     return true;
 }
 
-static bool read_mesh(struct import *in, const struct aiMesh *from, const struct aiMatrix4x4 *world)
+static float unit(float value)
+{
+    return value > 0.0f ? fminf(value, 1.0f) : 0.0f;
+}
+
+/* Texture coordinates and colours, if there are any. */
+static bool read_attributes(const struct aiMesh *from, struct rnd_mesh *to)
+{
+    const size_t n = to->vertices;
+    for (int set = 0; set < 2; set++) {
+        const struct aiVector3D *uv = from->mTextureCoords[set];
+        if (!uv) continue;
+        if (!(to->uv[set] = malloc(2 * n * sizeof *to->uv[set]))) return false;
+        for (size_t i = 0; i < n; i++) {
+            to->uv[set][2 * i] = fabsf(uv[i].x) <= MAX_COORDINATE ? uv[i].x : 0.0f;
+            to->uv[set][2 * i + 1] = fabsf(uv[i].y) <= MAX_COORDINATE ? uv[i].y : 0.0f;
+        }
+    }
+    const struct aiColor4D *colour = from->mColors[0];
+    if (!colour) return true;
+    if (!(to->colour = malloc(4 * n * sizeof *to->colour))) return false;
+    bool opaque = true; /* of colours without alpha, assimp leaves it 0 */
+    for (size_t i = 0; i < n && opaque; i++) opaque = colour[i].a == 0.0f;
+    for (size_t i = 0; i < n; i++) {
+        const float rgba[4] = {unit(colour[i].r), unit(colour[i].g), unit(colour[i].b),
+                               opaque ? 1.0f : unit(colour[i].a)};
+        memcpy(to->colour + 4 * i, rgba, sizeof rgba);
+    }
+    return true;
+}
+
+static uint32_t count_triangles(const struct aiMesh *mesh)
+{
+    uint32_t triangles = 0;
+    for (uint32_t f = 0; f < mesh->mNumFaces; f++) triangles += mesh->mFaces[f].mNumIndices == 3;
+    return triangles;
+}
+
+/* A mesh that goes by world into the scene, or stays in its own coordinates for instances. */
+static bool read_mesh(struct import *in, const struct aiMesh *from, const struct aiMatrix4x4 *world,
+                      bool instanced)
 {
     struct rnd_scene *scene = in->scene;
-    uint32_t triangles = 0;
-    for (uint32_t f = 0; f < from->mNumFaces; f++) triangles += from->mFaces[f].mNumIndices == 3;
+    const uint32_t triangles = count_triangles(from);
+    const size_t n = from->mNumVertices;
     if (triangles == 0) return true;
-    scene->info.triangles += triangles;
-    in->vertices += from->mNumVertices;
-    if (scene->info.triangles > MAX_TRIANGLES || in->vertices > MAX_TRIANGLES)
+    in->triangles += triangles;
+    in->vertices += n;
+    if (in->triangles > MAX_TRIANGLES || in->vertices > MAX_TRIANGLES)
         return fail(in, "more than 500 million triangles or vertices");
+    if (from->mMaterialIndex >= scene->material_count)
+        return fail(in, "a mesh names a material that is not there");
 
     struct rnd_mesh *grown = realloc(scene->mesh, (scene->mesh_count + 1) * sizeof *grown);
     if (!grown) return fail(in, "not enough memory");
@@ -278,14 +188,12 @@ static bool read_mesh(struct import *in, const struct aiMesh *from, const struct
     *to = (struct rnd_mesh){.vertices = from->mNumVertices,
                             .triangles = triangles,
                             .material = from->mMaterialIndex,
-                            .first_light = UINT32_MAX};
-    const size_t n = from->mNumVertices;
+                            .first_light = UINT32_MAX,
+                            .instanced = instanced};
     to->position = malloc((3 * n + 1) * sizeof *to->position);
     to->index = malloc(triangles * sizeof *to->index);
     if (from->mNormals) to->normal = malloc(3 * n * sizeof *to->normal);
-    if (from->mTextureCoords[0]) to->uv[0] = malloc(2 * n * sizeof *to->uv[0]);
-    if (!to->position || !to->index || (from->mNormals && !to->normal) ||
-        (from->mTextureCoords[0] && !to->uv[0]))
+    if (!to->position || !to->index || (from->mNormals && !to->normal) || !read_attributes(from, to))
         return fail(in, "not enough memory");
     to->position[3 * n] = 0.0f;
     if (!read_vertices(in, from, world, to)) return false;
@@ -305,45 +213,252 @@ static bool read_mesh(struct import *in, const struct aiMesh *from, const struct
     return true;
 }
 
-static bool read_node(struct import *in, const struct aiNode *node, const struct aiMatrix4x4 *parent,
-                      int depth)
-{
-    struct aiMatrix4x4 world = *parent;
-    if (depth > RND_NODE_DEPTH) return fail(in, "nodes are nested more than 256 deep");
-    aiMultiplyMatrix4(&world, &node->mTransformation);
-    for (unsigned i = 0; i < node->mNumMeshes; i++)
-        if (!read_mesh(in, in->file->mMeshes[node->mMeshes[i]], &world)) return false;
+/* --- instances --- */
 
+/* Bytes, about: of a triangle in the world, attributes and tree; of what a mesh or an instance has besides,
+ * Embree's part included. What is to be saved before rays are sent through a tree within the tree, which is
+ * slower. */
+enum { TRIANGLE_BYTES = 150, OBJECT_BYTES = 1000, WORTH_BYTES = 150000 };
+
+static bool shines(const struct rnd_material *material)
+{
+    return rnd_luminance(material->emission.raw) > 0.0f;
+}
+
+/* Which meshes are stored once: those that save memory. What shines is a list of triangles in the world. */
+static void choose_shared(struct import *in)
+{
+    for (unsigned i = 0; i < in->file->mNumMeshes; i++) {
+        const struct aiMesh *mesh = in->file->mMeshes[i];
+        const uint64_t uses = in->use[i].count, triangles = count_triangles(mesh);
+        if (uses < 2 || mesh->mMaterialIndex >= in->scene->material_count) continue;
+        in->use[i].shared = !shines(&in->scene->material[mesh->mMaterialIndex]) &&
+                            (uses - 1) * triangles * TRIANGLE_BYTES > 2 * OBJECT_BYTES + WORTH_BYTES;
+    }
+}
+
+static bool add_instance(struct import *in, uint32_t mesh, const struct aiMatrix4x4 *m,
+                         const struct aiMatrix4x4 *n)
+{
+    struct rnd_scene *scene = in->scene;
+    if (scene->instance_count == MAX_INSTANCES) return fail(in, "more than 10 million instances");
+    if ((scene->instance_count & (scene->instance_count - 1)) == 0) { /* full: a power of two */
+        const size_t room = scene->instance_count ? 2 * (size_t)scene->instance_count : 1;
+        struct rnd_instance *grown = realloc(scene->instance, room * sizeof *grown);
+        if (!grown) return fail(in, "not enough memory");
+        scene->instance = grown;
+    }
+    scene->instance[scene->instance_count++] = (struct rnd_instance){
+        .mesh = mesh,
+        .to_world = {m->a1, m->b1, m->c1, m->a2, m->b2, m->c2, m->a3, m->b3, m->c3, m->a4, m->b4, m->c4},
+        .normal_to_world = {n->a1, n->b1, n->c1, n->a2, n->b2, n->c2, n->a3, n->b3, n->c3}};
+    return true;
+}
+
+/* Put the file's i-th mesh where world says. */
+static bool place_mesh(struct import *in, unsigned i, const struct aiMatrix4x4 *world)
+{
+    const struct aiMesh *from = in->file->mMeshes[i];
+    struct use *use = &in->use[i];
+    struct aiMatrix4x4 normals, identity;
+    in->scene->info.triangles += count_triangles(from);
+    if (!use->shared || !normal_matrix(world, &normals)) return read_mesh(in, from, world, false);
+    if (!use->stored) {
+        aiIdentityMatrix4(&identity);
+        use->mesh = in->scene->mesh_count;
+        use->stored = true;
+        if (!read_mesh(in, from, &identity, true)) return false;
+        use->low = use->high = from->mVertices[0];
+        for (unsigned k = 1; k < from->mNumVertices; k++) {
+            const struct aiVector3D p = from->mVertices[k];
+            use->low =
+                (struct aiVector3D){fminf(use->low.x, p.x), fminf(use->low.y, p.y), fminf(use->low.z, p.z)};
+            use->high = (struct aiVector3D){fmaxf(use->high.x, p.x), fmaxf(use->high.y, p.y),
+                                            fmaxf(use->high.z, p.z)};
+        }
+    }
+    for (int k = 0; k < 8; k++) { /* corners of its box bound it */
+        const struct aiVector3D corner = {k & 1 ? use->high.x : use->low.x, k & 2 ? use->high.y : use->low.y,
+                                          k & 4 ? use->high.z : use->low.z};
+        const vec3s p = transform(world, &corner, 1.0f);
+        if (!in_range(p)) return fail(in, "an instance of a mesh is not finite or beyond 1e9 m");
+        extend_bounds(in, p);
+    }
+    return add_instance(in, use->mesh, world, &normals);
+}
+
+/* --- nodes --- */
+
+static struct aiMatrix4x4 pose_matrix(const struct rnd_pose *pose)
+{
+    const float *t = pose->translation, *r = pose->rotation, *s = pose->scale;
+    const float l = r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3], k = l > 0.0f ? 2.0f / l : 0.0f;
+    const float x = r[0], y = r[1], z = r[2], w = r[3];
+    return (struct aiMatrix4x4){(1 - k * (y * y + z * z)) * s[0],
+                                k * (x * y - z * w) * s[1],
+                                k * (x * z + y * w) * s[2],
+                                t[0],
+                                k * (x * y + z * w) * s[0],
+                                (1 - k * (x * x + z * z)) * s[1],
+                                k * (y * z - x * w) * s[2],
+                                t[1],
+                                k * (x * z - y * w) * s[0],
+                                k * (y * z + x * w) * s[1],
+                                (1 - k * (x * x + y * y)) * s[2],
+                                t[2],
+                                0,
+                                0,
+                                0,
+                                1};
+}
+
+/* A node's meshes, each as often as it is instanced; in the first round they are only counted. */
+static bool read_node_meshes(struct import *in, const struct aiNode *node, const struct aiMatrix4x4 *world,
+                             const json_t *json, bool counting)
+{
+    struct rnd_pose *pose = NULL;
+    size_t poses = 0;
+    bool ok = true;
+    if (node->mNumMeshes == 0) return true;
+    if (json && !rnd_gltf_node_instances(&in->gltf, json, &pose, &poses)) return false;
+    for (unsigned i = 0; ok && i < node->mNumMeshes; i++) {
+        const unsigned mesh = node->mMeshes[i];
+        if (counting) in->use[mesh].count += poses ? poses : 1;
+        if (!counting && !poses) ok = place_mesh(in, mesh, world);
+        for (size_t k = 0; ok && !counting && k < poses; k++) {
+            struct aiMatrix4x4 at = *world;
+            const struct aiMatrix4x4 within = pose_matrix(&pose[k]);
+            aiMultiplyMatrix4(&at, &within);
+            ok = place_mesh(in, mesh, &at);
+        }
+    }
+    free(pose);
+    return ok;
+}
+
+static void read_camera(struct import *in, const struct aiNode *node, const struct aiMatrix4x4 *world)
+{
     for (unsigned i = 0; !in->has_eye && i < in->file->mNumCameras; i++) {
         const struct aiCamera *camera = in->file->mCameras[i];
         if (strcmp(camera->mName.data, node->mName.data) != 0) continue;
         /* assimp repeats a glTF node's translation in its camera, which has no position of its own. */
         const struct aiVector3D origin = {0, 0, 0};
-        const vec3s p = transform(&world, in->gltf ? &origin : &camera->mPosition, 1.0f);
+        const vec3s p = transform(world, in->gltf.root ? &origin : &camera->mPosition, 1.0f);
         memcpy(in->scene->info.eye, p.raw, sizeof p);
         in->has_eye = isfinite(p.x) && isfinite(p.y) && isfinite(p.z);
     }
+}
+
+static bool read_lights(struct import *in, const struct aiNode *node, const struct aiMatrix4x4 *world)
+{
+    struct rnd_lights *lights = &in->scene->lights;
     for (unsigned i = 0; i < in->file->mNumLights; i++) {
         const struct aiLight *light = in->file->mLights[i];
         if (strcmp(light->mName.data, node->mName.data) != 0) continue;
-        struct rnd_punctual *to = &in->scene->lights.punctual[in->scene->lights.punctual_count];
+        struct rnd_punctual *to = &lights->punctual[lights->punctual_count];
         const bool spot = light->mType == aiLightSource_SPOT, sun = light->mType == aiLightSource_DIRECTIONAL;
         if (!spot && !sun && light->mType != aiLightSource_POINT) continue;
-        if (in->scene->lights.punctual_count == in->file->mNumLights)
-            return fail(in, "two nodes share a light");
+        if (lights->punctual_count == in->file->mNumLights) return fail(in, "two nodes share a light");
         *to = (struct rnd_punctual){.kind = sun    ? RND_DIRECTIONAL
                                             : spot ? RND_SPOT
                                                    : RND_POINT,
-                                    .position = transform(&world, &light->mPosition, 1.0f),
+                                    .position = transform(world, &light->mPosition, 1.0f),
                                     .direction =
-                                        glms_vec3_normalize(transform(&world, &light->mDirection, 0.0f)),
+                                        glms_vec3_normalize(transform(world, &light->mDirection, 0.0f)),
                                     .cos_inner = cosf(light->mAngleInnerCone),
                                     .cos_outer = cosf(light->mAngleOuterCone)};
         to->intensity = (vec3s){{light->mColorDiffuse.r, light->mColorDiffuse.g, light->mColorDiffuse.b}};
-        in->scene->lights.punctual_count++;
+        lights->punctual_count++;
     }
+    return true;
+}
+
+/* The JSON's k-th node of a list, if assimp's node can be that. */
+static const json_t *json_node(const struct import *in, const json_t *list, size_t k,
+                               const struct aiNode *node, size_t *out_index)
+{
+    const json_t *index = json_array_get(list, k), *json = rnd_gltf_at(&in->gltf, "nodes", index);
+    const char *name = json_string_value(json_object_get(json, "name"));
+    if (!json || (name && *name && strcmp(name, node->mName.data) != 0)) return NULL;
+    *out_index = (size_t)json_integer_value(index);
+    return json;
+}
+
+/* A node and those below it. Assimp's tree follows the JSON's node by node: list[k] is this one. */
+static bool read_node(struct import *in, const struct aiNode *node, const struct aiMatrix4x4 *parent,
+                      const json_t *list, size_t k, int depth, bool counting)
+{
+    struct aiMatrix4x4 world = *parent;
+    size_t index;
+    const json_t *json = list ? json_node(in, list, k, node, &index) : NULL;
+    if (depth > RND_NODE_DEPTH) return fail(in, "nodes are nested more than 256 deep");
+    const struct aiMatrix4x4 local =
+        json && in->gltf.moved[index] ? pose_matrix(&in->gltf.pose[index]) : node->mTransformation;
+    aiMultiplyMatrix4(&world, &local);
+    if (!read_node_meshes(in, node, &world, json, counting)) return false;
+    if (!counting) {
+        read_camera(in, node, &world);
+        if (!read_lights(in, node, &world)) return false;
+    }
+    const json_t *children = json_object_get(json, "children");
+    if (json_array_size(children) != node->mNumChildren) children = NULL;
     for (unsigned i = 0; i < node->mNumChildren; i++)
-        if (!read_node(in, node->mChildren[i], &world, depth + 1)) return false;
+        if (!read_node(in, node->mChildren[i], &world, children, i, depth + 1, counting)) return false;
+    return true;
+}
+
+static bool read_nodes(struct import *in, bool counting)
+{
+    const struct aiNode *root = in->file->mRootNode;
+    const json_t *roots = in->gltf.root ? rnd_gltf_roots(&in->gltf) : NULL;
+    struct aiMatrix4x4 identity;
+    aiIdentityMatrix4(&identity);
+    if (json_array_size(roots) <= 1) return read_node(in, root, &identity, roots, 0, 0, counting);
+    /* of several, assimp's root is the parent that they lack in the file */
+    if (json_array_size(roots) != root->mNumChildren) roots = NULL;
+    for (unsigned i = 0; i < root->mNumChildren; i++)
+        if (!read_node(in, root->mChildren[i], &identity, roots, i, 0, counting)) return false;
+    return true;
+}
+
+/* --- the file --- */
+
+static void name_unsupported(struct import *in)
+{
+    static const char *const extensions[][2] = {
+        {"KHR_materials_variants", "variants (the default is shown)"},
+        {"KHR_texture_basisu", "Basis textures"},
+        {"KHR_animation_pointer", "animated properties"},
+    };
+    const json_t *root = in->gltf.root, *used = json_object_get(root, "extensionsUsed");
+    if (in->file->mNumAnimations > 0 || json_array_size(json_object_get(root, "animations")) > 0)
+        rnd_scene_unsupported(in->scene, "animation (its first frame is shown)");
+    if (json_array_size(json_object_get(root, "skins")) > 0) rnd_scene_unsupported(in->scene, "skins");
+    if (in->gltf.morphs) rnd_scene_unsupported(in->scene, "morph targets");
+    for (size_t i = 0; i < json_array_size(used); i++) {
+        const char *name = json_string_value(json_array_get(used, i));
+        for (size_t k = 0; name && k < sizeof extensions / sizeof *extensions; k++)
+            if (strcmp(name, extensions[k][0]) == 0) rnd_scene_unsupported(in->scene, extensions[k][1]);
+    }
+}
+
+static bool read_scene(struct import *in)
+{
+    struct rnd_scene *scene = in->scene;
+    for (int k = 0; k < 3; k++) {
+        scene->info.bounds[0][k] = INFINITY;
+        scene->info.bounds[1][k] = -INFINITY;
+    }
+    scene->lights.punctual = calloc(in->file->mNumLights + 1, sizeof *scene->lights.punctual);
+    in->use = calloc(in->file->mNumMeshes + 1, sizeof *in->use);
+    if (!scene->lights.punctual || !in->use) return fail(in, "not enough memory");
+    if (!read_materials(in) || !read_nodes(in, true)) return false;
+    choose_shared(in);
+    if (!read_nodes(in, false)) return false;
+    if (scene->info.triangles == 0) return fail(in, "holds no triangle");
+    name_unsupported(in);
+    for (int k = 0; k < 3 && !in->has_eye; k++)
+        scene->info.eye[k] = 0.5f * (scene->info.bounds[0][k] + scene->info.bounds[1][k]);
     return true;
 }
 
@@ -355,7 +470,7 @@ bool rnd_import(struct rnd_scene *scene, const char *path, char out_error[RND_ER
     if (slash && snprintf(in.directory, sizeof in.directory, "%.*s", (int)(slash - path + 1), path) >=
                      (int)sizeof in.directory)
         return fail(&in, "the path is too long");
-    in.gltf = dot && (strcasecmp(dot, ".gltf") == 0 || strcasecmp(dot, ".glb") == 0);
+    const bool gltf = dot && (strcasecmp(dot, ".gltf") == 0 || strcasecmp(dot, ".glb") == 0);
 
     FILE *file = fopen(path, "rb"); /* assimp does not say why it cannot open a file */
     if (!file) return fail(&in, strerror(errno));
@@ -364,32 +479,18 @@ bool rnd_import(struct rnd_scene *scene, const char *path, char out_error[RND_ER
     const int cause = errno;
     fclose(file);
     if (first == EOF) return fail(&in, cause ? strerror(cause) : "is empty");
-    if (in.gltf && !rnd_gltf_check(path, out_error)) return false;
-    in.file = aiImportFile(path, aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_FlipUVs);
+    if (gltf && !rnd_gltf_open(&in.gltf, path, out_error)) return false;
+    const unsigned flags = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_FlipUVs;
+    in.file = gltf ? rnd_gltf_import(&in.gltf, flags) : aiImportFile(path, flags);
     if (!in.file || !in.file->mRootNode) {
         const char *why = aiGetErrorString();
         fail(&in, why && *why ? why : "holds no scene that can be read");
         goto end;
     }
-    for (int k = 0; k < 3; k++) {
-        scene->info.bounds[0][k] = INFINITY;
-        scene->info.bounds[1][k] = -INFINITY;
-    }
-    scene->lights.punctual = calloc(in.file->mNumLights + 1, sizeof *scene->lights.punctual);
-    struct aiMatrix4x4 identity;
-    aiIdentityMatrix4(&identity);
-    if (!scene->lights.punctual) {
-        fail(&in, "not enough memory");
-    } else if (read_node(&in, in.file->mRootNode, &identity, 0) && read_materials(&in)) {
-        ok = scene->info.triangles > 0 || fail(&in, "holds no triangle");
-    }
-    for (uint32_t i = 0; ok && i < scene->mesh_count; i++)
-        if (scene->mesh[i].material >= scene->material_count)
-            ok = fail(&in, "a mesh names a material that is not there");
-    if (ok && !in.has_eye)
-        for (int k = 0; k < 3; k++)
-            scene->info.eye[k] = 0.5f * (scene->info.bounds[0][k] + scene->info.bounds[1][k]);
+    ok = read_scene(&in);
 end:
     if (in.file) aiReleaseImport(in.file);
+    rnd_gltf_close(&in.gltf);
+    free(in.use);
     return ok;
 }

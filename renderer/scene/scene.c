@@ -73,6 +73,8 @@ void rnd_scene_destroy(struct rnd_scene *scene)
         free(scene->mesh[i].index);
     }
     free(scene->mesh);
+    free(scene->instance);
+    free(scene->alpha);
     free(scene->material);
     for (uint32_t i = 0; i < scene->texture_count; i++) {
         free(scene->texture[i].path);

@@ -20,6 +20,9 @@ struct rnd_texture {
 /* Bilinear, repeating; uv with row 0 at v = 0. Missing channels repeat the first. */
 vec3s rnd_texture_rgb(const struct rnd_texture *texture, float u, float v);
 
+/* How a texture goes on outside of [0,1). */
+enum rnd_wrap { RND_REPEAT, RND_MIRROR, RND_CLAMP };
+
 /* --- materials --- */
 
 /* Which of the integrator's stages serves a material: the cheapest that is right for it. */
@@ -43,6 +46,7 @@ enum rnd_map_use {
     RND_MAP_CLEARCOAT_NORMAL,
     RND_MAP_SHEEN_COLOUR,    /* sRGB */
     RND_MAP_SHEEN_ROUGHNESS, /* alpha */
+    RND_MAP_COVERAGE, /* MTL's map_d: alpha if the image has one, else red; then the base's alpha is nothing */
     RND_MAPS,
 };
 
@@ -50,7 +54,8 @@ enum rnd_map_use {
 struct rnd_map {
     int texture; /* index, or -1: none, its factor stands alone */
     uint8_t uv_set;
-    bool has_transform;
+    uint8_t wrap[2];    /* enum rnd_wrap along u and v */
+    bool has_transform; /* else the transform is the identity */
     float transform[6];
 };
 
@@ -89,6 +94,15 @@ struct rnd_mesh {
     uint32_t (*index)[3];
     uint32_t material;
     uint32_t first_light; /* of its triangles among the scene's area lights, or UINT32_MAX */
+    bool instanced;       /* in coordinates of its own, seen through instances alone; never a light */
+};
+
+/* A mesh once more, somewhere else. */
+struct rnd_instance {
+    uint32_t mesh;
+    float to_world[12];       /* 3 rows, 4 columns, column by column */
+    float normal_to_world[9]; /* inverse transpose of its first three columns, column by column: normals keep
+                                 their side, and lose their length */
 };
 
 /* --- lights --- */
@@ -163,25 +177,17 @@ struct rnd_scene {
     struct rnd_mesh *mesh;
     struct rnd_material *material;
     struct rnd_texture *texture;
+    uint32_t instance_count;
+    struct rnd_instance *instance;
     struct rnd_lights lights;
+    struct rnd_alpha *alpha; /* of the meshes that are not there everywhere, for Embree's filters */
     RTCDevice device;
     RTCScene tree;
 };
 
-enum { RND_NODE_DEPTH = 256 };
-
 /* import.c: geometry, materials, textures and punctual lights of a file. */
 bool rnd_import(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE]);
 
-/* gltf.c: are the nodes of a glTF file trees of at most RND_NODE_DEPTH, as glTF 2.0 section 3.5.2 wants them?
- * assimp would follow what is not to the end of memory. */
-bool rnd_gltf_check(const char *path, char out_error[RND_ERROR_SIZE]);
-/* gltf.c: what assimp drops of a glTF file: emissive strength and specular factor of every material, told
- * apart by assimp's order and name(names, index), and the names of what the renderer does not do. Nothing
- * happens for other files. */
-bool rnd_import_gltf_extras(struct rnd_scene *scene, const char *path,
-                            const char *(*name)(const void *names, uint32_t index), const void *names,
-                            char out_error[RND_ERROR_SIZE]);
 /* Add a name to the list of what is asked for and not done, once. */
 void rnd_scene_unsupported(struct rnd_scene *scene, const char *name);
 
@@ -215,6 +221,40 @@ float rnd_area_pdf(const struct rnd_scene *scene, uint32_t mesh, uint32_t triang
 
 /* accel.c */
 bool rnd_accel_build(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE]);
+
+/* The mesh that Embree hit: geometry ids of the tree are meshes, and from mesh_count on instances. Returns
+ * the instance that it was hit through, or NULL for a mesh in the world; then Embree's normal is in the
+ * world too, else in the mesh's own coordinates. Only for hits: geom_id is not RTC_INVALID_GEOMETRY_ID. */
+static inline const struct rnd_instance *rnd_resolve_hit(const struct rnd_scene *scene, uint32_t geom_id,
+                                                         uint32_t inst_id, uint32_t *out_mesh)
+{
+    const struct rnd_instance *instance = NULL;
+    if (inst_id != RTC_INVALID_GEOMETRY_ID) instance = &scene->instance[inst_id - scene->mesh_count];
+    *out_mesh = instance ? instance->mesh : geom_id;
+    return instance;
+}
+
+/* From the coordinates of an instance's mesh to the world. */
+static inline vec3s rnd_instance_point(const struct rnd_instance *instance, vec3s p)
+{
+    const float *m = instance->to_world;
+    return (vec3s){{m[0] * p.x + m[3] * p.y + m[6] * p.z + m[9], m[1] * p.x + m[4] * p.y + m[7] * p.z + m[10],
+                    m[2] * p.x + m[5] * p.y + m[8] * p.z + m[11]}};
+}
+
+static inline vec3s rnd_instance_normal(const struct rnd_instance *instance, vec3s n)
+{
+    const float *m = instance->normal_to_world;
+    return (vec3s){{m[0] * n.x + m[3] * n.y + m[6] * n.z, m[1] * n.x + m[4] * n.y + m[7] * n.z,
+                    m[2] * n.x + m[5] * n.y + m[8] * n.z}};
+}
+
+/* alpha.c: what the meshes whose material masks or blends need to be hit only where they are: one entry a
+ * mesh, with a function for those that have holes. False when memory is short. */
+bool rnd_alpha_build(struct rnd_scene *scene);
+void rnd_alpha_attach(const struct rnd_scene *scene, uint32_t mesh, RTCGeometry geometry);
+/* A texture's last channel where it has two or four, else 1; bilinear, wrapped as told. */
+float rnd_texture_alpha(const struct rnd_texture *texture, const uint8_t wrap[2], float u, float v);
 
 static inline vec3s rnd_vertex(const struct rnd_mesh *mesh, uint32_t i)
 {

@@ -348,11 +348,11 @@ static void unsupported(void **state)
 {
     (void)state;
     const char *path = files_gltf("wants.gltf", 1, node,
-                                  "{\"emissiveFactor\":[1,1,1],\"alphaMode\":\"BLEND\",\"extensions\":{"
-                                  "\"KHR_materials_clearcoat\":{\"clearcoatFactor\":1}}}",
-                                  ",\"extensionsUsed\":[\"KHR_materials_clearcoat\"]");
+                                  "{\"emissiveFactor\":[1,1,1],\"extensions\":{\"KHR_materials_iridescence\":"
+                                  "{},\"KHR_materials_anisotropy\":{\"anisotropyStrength\":1}}}",
+                                  ",\"extensionsUsed\":[\"KHR_materials_anisotropy\",\"KHR_materials_variants\"]");
     struct rnd_scene *scene = files_load(path, NULL, NULL, NULL);
-    assert_string_equal(rnd_scene_info(scene)->unsupported, "clearcoat, alpha blending");
+    assert_string_equal(rnd_scene_info(scene)->unsupported, "anisotropy, iridescence, variants (the default is shown)");
     rnd_scene_destroy(scene);
 }
 

@@ -1,0 +1,52 @@
+/* What materials of all formats share: the default, reflectance, and the stage of the integrator they need.
+ */
+#include "scene/material.h"
+
+void rnd_material_init(struct rnd_material *material)
+{
+    *material = (struct rnd_material){.kind = RND_METAL_ROUGH,
+                                      .base = {{1.0f, 1.0f, 1.0f}},
+                                      .alpha = 1.0f,
+                                      .alpha_cutoff = 0.5f,
+                                      .metallic = 1.0f,
+                                      .roughness = 1.0f,
+                                      .specular = 1.0f,
+                                      .specular_colour = {{1.0f, 1.0f, 1.0f}},
+                                      .ior = 1.5f,
+                                      .thin = true,
+                                      .normal_scale = 1.0f,
+                                      .clearcoat_normal_scale = 1.0f};
+    for (int use = 0; use < RND_MAPS; use++)
+        material->map[use] = (struct rnd_map){.texture = -1, .transform = {[0] = 1.0f, [4] = 1.0f}};
+}
+
+void rnd_material_set_f0(struct rnd_material *material, vec3s f0)
+{
+    const float most = fmaxf(f0.x, fmaxf(f0.y, f0.z));
+    const float root = sqrtf(fminf(most, 0.99f)); /* at 1 the index is infinite */
+    material->ior = (1.0f + root) / (1.0f - root);
+    material->specular = most > 0.0f ? 1.0f : 0.0f;
+    material->specular_colour = most > 0.0f ? glms_vec3_divs(f0, most) : glms_vec3_one();
+}
+
+static bool is_plain(const struct rnd_map *map)
+{
+    return map->texture < 0 || (map->uv_set == 0 && !map->has_transform && map->wrap[0] == RND_REPEAT &&
+                                map->wrap[1] == RND_REPEAT);
+}
+
+void rnd_material_set_kind(struct rnd_material *m)
+{
+    bool rich = m->unlit || m->transmission > 0.0f || m->clearcoat > 0.0f ||
+                glms_vec3_max(m->sheen_colour) > 0.0f ||
+                (m->specular > 0.0f && !glms_vec3_eqv(m->specular_colour, glms_vec3_one()));
+    for (int use = 0; use < RND_MAPS; use++) {
+        const bool common = use == RND_MAP_BASE || use == RND_MAP_METAL_ROUGH || use == RND_MAP_NORMAL ||
+                            use == RND_MAP_EMISSION || use == RND_MAP_COVERAGE;
+        if (use != RND_MAP_COVERAGE && !is_plain(&m->map[use])) rich = true; /* coverage is the filters' */
+        if (!common && m->map[use].texture >= 0) rich = true;
+    }
+    const bool lambert = m->specular == 0.0f && m->metallic == 0.0f &&
+                         m->map[RND_MAP_METAL_ROUGH].texture < 0 && m->map[RND_MAP_NORMAL].texture < 0;
+    m->kind = rich ? RND_RICH : lambert ? RND_DIFFUSE : RND_METAL_ROUGH;
+}

@@ -1,0 +1,28 @@
+/* Materials of files, mapped to ours: glTF's from its JSON, all others' from what assimp hands over.
+ */
+#ifndef FOVEAD_RENDERER_MATERIAL_H
+#define FOVEAD_RENDERER_MATERIAL_H
+
+#include "scene/gltf.h"
+#include "scene/scene.h"
+
+#include <assimp/scene.h>
+
+/* material.c: glTF's default: white, wholly metallic and rough, without a texture. */
+void rnd_material_init(struct rnd_material *material);
+/* material.c: reflectance of the non-metal at normal incidence, by way of index and tint. */
+void rnd_material_set_f0(struct rnd_material *material, vec3s f0);
+/* material.c: the cheapest kind that is right for it. */
+void rnd_material_set_kind(struct rnd_material *material);
+
+/* gltf_material.c: all of the scene's materials, in the order of a file that rnd_gltf_import() has read. False
+ * and a line in gltf->error for a value out of its range or an image that cannot be read. */
+bool rnd_gltf_materials(struct rnd_gltf *gltf, struct rnd_scene *scene, const struct aiScene *file);
+
+/* mtl_material.c: one material of OBJ and the like. directory, "" or with a slash at its end, is where its
+ * images are looked for. */
+bool rnd_mtl_material(struct rnd_scene *scene, const struct aiScene *file, const struct aiMaterial *from,
+                      const char *path, const char *directory, struct rnd_material *to,
+                      char out_error[RND_ERROR_SIZE]);
+
+#endif

@@ -1,0 +1,183 @@
+/* Materials of Wavefront MTL, and of all other formats as far as assimp gives them the same keys. */
+#include "scene/material.h"
+
+#include <assimp/GltfMaterial.h>
+#include <assimp/ObjMaterial.h>
+#include <assimp/material.h>
+#include <float.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The material that is being read. */
+struct reader {
+    struct rnd_scene *scene;
+    const struct aiScene *file;
+    const struct aiMaterial *from;
+    const char *path, *directory;
+    char *error;
+};
+
+static bool fail(struct reader *r, const char *what)
+{
+    snprintf(r->error, RND_ERROR_SIZE, "%.200s: %.200s", r->path, what);
+    return false;
+}
+
+/* --- maps --- */
+
+static uint8_t wrap_of(enum aiTextureMapMode mode)
+{
+    return mode == aiTextureMapMode_Clamp || mode == aiTextureMapMode_Decal ? RND_CLAMP
+           : mode == aiTextureMapMode_Mirror                                ? RND_MIRROR
+                                                                            : RND_REPEAT;
+}
+
+/* False if the material names an image that cannot be read. */
+static bool read_map(struct reader *r, enum aiTextureType type, enum rnd_map_use use, bool srgb,
+                     struct rnd_material *to)
+{
+    struct aiString name;
+    unsigned channel = 0;
+    enum aiTextureMapMode mode[3] = {aiTextureMapMode_Wrap, aiTextureMapMode_Wrap, aiTextureMapMode_Wrap};
+    struct rnd_map *map = &to->map[use];
+    if (aiGetMaterialTexture(r->from, type, 0, &name, NULL, &channel, NULL, NULL, mode, NULL) !=
+        aiReturn_SUCCESS)
+        return true;
+    if (channel > 1) rnd_scene_unsupported(r->scene, "texture coordinates beyond the second set");
+    map->uv_set = channel == 1;
+    map->wrap[0] = wrap_of(mode[0]);
+    map->wrap[1] = wrap_of(mode[1]);
+
+    if (name.data[0] == '*') { /* embedded */
+        const unsigned long i = strtoul(name.data + 1, NULL, 10);
+        if (i >= r->file->mNumTextures || r->file->mTextures[i]->mHeight != 0)
+            return fail(r, "an embedded texture is not a compressed image");
+        const struct aiTexture *texture = r->file->mTextures[i];
+        char label[300]; /* OpenImageIO goes by the ending */
+        snprintf(label, sizeof label, "%.200s: texture %lu.%s", r->path, i,
+                 strcmp(texture->achFormatHint, "jpeg") == 0 ? "jpg" : texture->achFormatHint);
+        map->texture = rnd_texture_add(r->scene, label, texture->pcData, texture->mWidth, srgb, r->error);
+        return map->texture >= 0;
+    }
+    char path[4096];
+    if (snprintf(path, sizeof path, "%s%s", name.data[0] == '/' ? "" : r->directory, name.data) >=
+        (int)sizeof path)
+        return fail(r, "a texture's path is too long");
+    for (char *c = path; *c; c++)
+        if (*c == '\\') *c = '/';
+    map->texture = rnd_texture_add(r->scene, path, NULL, 0, srgb, r->error);
+    return map->texture >= 0;
+}
+
+/* --- colours and numbers --- */
+
+static vec3s read_colour(struct reader *r, const char *key, vec3s otherwise)
+{
+    struct aiColor4D c;
+    if (aiGetMaterialColor(r->from, key, 0, 0, &c) != aiReturn_SUCCESS) return otherwise;
+    return (vec3s){{c.r, c.g, c.b}};
+}
+
+static float read_float(struct reader *r, const char *key, float otherwise)
+{
+    ai_real value;
+    return aiGetMaterialFloatArray(r->from, key, 0, 0, &value, NULL) == aiReturn_SUCCESS ? value : otherwise;
+}
+
+/* Keys as text: assimp's macros expand to (key, type, index). */
+#define KEY(macro)             KEY_(macro)
+#define KEY_(key, type, index) key
+
+/* False and a line if a number is not within its range, or not one. */
+static bool check(struct reader *r, const char *key, float value, float low, float high)
+{
+    struct aiString name = {0};
+    char what[200];
+    if (value >= low && value <= high) return true;
+    aiGetMaterialString(r->from, AI_MATKEY_NAME, &name);
+    snprintf(what, sizeof what, "material \"%.60s\": %s is %g, expected %g to %g", name.data, key,
+             (double)value, (double)low, (double)high);
+    return fail(r, what);
+}
+
+static bool check_colour(struct reader *r, const char *key, vec3s value, float high)
+{
+    return check(r, key, value.x, 0.0f, high) && check(r, key, value.y, 0.0f, high) &&
+           check(r, key, value.z, 0.0f, high);
+}
+
+/* A filter of light that crosses two surfaces on its way through, as that of each. */
+static vec3s each_side(vec3s through)
+{
+    return (vec3s){{sqrtf(through.x), sqrtf(through.y), sqrtf(through.z)}};
+}
+
+/* What is neither mirror nor glass, with a coat or without. */
+static bool read_matt(struct reader *r, bool coat, vec3s ks, float ns, struct rnd_material *to)
+{
+    if (!read_map(r, aiTextureType_DIFFUSE, RND_MAP_BASE, true, to)) return false;
+    if (!coat) return true;
+    /* Phong's exponent to GGX alpha (Walter 2007, section 5.3), then to roughness */
+    to->roughness = sqrtf(sqrtf(2.0f / (ns + 2.0f)));
+    rnd_material_set_f0(to, glms_vec3_minv(ks, glms_vec3_one()));
+    return read_map(r, aiTextureType_SPECULAR, RND_MAP_SPECULAR_COLOUR, true, to);
+}
+
+/* illum 3, 5 and 8 are mirrors, 4, 6, 7 and 9 glass, 2 a glossy coat when Ks is not black: reflectance Ks at
+ * normal incidence, as wide as Phong's exponent Ns. */
+bool rnd_mtl_material(struct rnd_scene *scene, const struct aiScene *file, const struct aiMaterial *from,
+                      const char *path, const char *directory, struct rnd_material *to,
+                      char out_error[RND_ERROR_SIZE])
+{
+    struct reader r = {scene, file, from, path, directory, out_error};
+    int illum = 1;
+    aiGetMaterialIntegerArray(from, AI_MATKEY_OBJ_ILLUM, &illum, NULL);
+    const vec3s ks = read_colour(&r, KEY(AI_MATKEY_COLOR_SPECULAR), glms_vec3_zero()),
+                tf = read_colour(&r, KEY(AI_MATKEY_COLOR_TRANSPARENT), glms_vec3_one()),
+                kd = read_colour(&r, KEY(AI_MATKEY_COLOR_DIFFUSE), (vec3s){{0.8f, 0.8f, 0.8f}}),
+                ke = read_colour(&r, KEY(AI_MATKEY_COLOR_EMISSIVE), glms_vec3_zero());
+    const float ns = read_float(&r, KEY(AI_MATKEY_SHININESS), 0.0f),
+                ni = read_float(&r, KEY(AI_MATKEY_REFRACTI), 1.5f),
+                d = read_float(&r, KEY(AI_MATKEY_OPACITY), 1.0f);
+    const bool glass = illum == 4 || illum == 6 || illum == 7 || illum == 9,
+               mirror = illum == 3 || illum == 5 || illum == 8, shiny = glms_vec3_max(ks) > 0.0f;
+    if (!check_colour(&r, "Kd", kd, 1e3f) || !check_colour(&r, "Ks", ks, 1e3f) ||
+        !check_colour(&r, "Ke", ke, FLT_MAX) || !check(&r, "Ns", ns, 0.0f, FLT_MAX) ||
+        !check(&r, "d", d, 0.0f, 1.0f) ||
+        (glass && !(check_colour(&r, "Tf", tf, 1.0f) && check(&r, "Ni", ni, 1.0f, 1e3f))))
+        return false;
+
+    rnd_material_init(to);
+    to->base = glms_vec3_minv(kd, glms_vec3_one());
+    to->emission = ke;
+    to->double_sided = true;
+    to->metallic = 0.0f;
+    to->specular = 0.0f;
+    if (!read_map(&r, aiTextureType_EMISSIVE, RND_MAP_EMISSION, true, to) ||
+        !read_map(&r, aiTextureType_NORMALS, RND_MAP_NORMAL, false, to))
+        return false;
+    if (glass) {
+        to->base = each_side(tf);
+        to->transmission = to->specular = 1.0f;
+        to->thin = false;
+        to->roughness = 0.0f;
+        to->ior = ni;
+    } else if (mirror && shiny) {
+        to->base = glms_vec3_minv(ks, glms_vec3_one());
+        to->metallic = to->specular = 1.0f;
+        to->roughness = 0.0f;
+    } else if (!read_matt(&r, illum == 2 && shiny && ns > 1.0f, ks, ns, to)) {
+        return false;
+    }
+    if (!glass) { /* whose d is the glass once more */
+        if (!read_map(&r, aiTextureType_OPACITY, RND_MAP_COVERAGE, false, to)) return false;
+        to->alpha = d;
+        if (d < 1.0f || to->map[RND_MAP_COVERAGE].texture >= 0) to->alpha_mode = RND_BLEND;
+    }
+    if (aiGetMaterialTextureCount(from, aiTextureType_HEIGHT) > 0) rnd_scene_unsupported(scene, "bump maps");
+    if (aiGetMaterialTextureCount(from, aiTextureType_SHININESS) > 0)
+        rnd_scene_unsupported(scene, "maps of Phong's exponent");
+    rnd_material_set_kind(to);
+    return true;
+}

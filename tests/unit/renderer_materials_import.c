@@ -1,0 +1,485 @@
+/* What scene files say of materials, maps and coverage, as it is in the scene and as it looks. */
+#include "renderer_parts.h"
+
+static const char node[] = "{\"mesh\":0}";
+
+static const struct rnd_material *only(const struct rnd_scene *scene)
+{
+    return &scene->material[scene->mesh[0].material];
+}
+
+/* A scene of one square with that material, lit by a constant environment. */
+static struct rnd_scene *with_material(const char *material, const char *more)
+{
+    return files_load(files_gltf("m.gltf", 1, node, material, more), files_env("env.exr", 1), NULL, NULL);
+}
+
+/* An image of two halves along u: of these alphas, grey. */
+static const char *write_halves(const char *name, float left, float right)
+{
+    enum { SIDE = 16 };
+    static const struct rnd_channel rgba[4] = {
+        {"R", RND_BYTE}, {"G", RND_BYTE}, {"B", RND_BYTE}, {"A", RND_BYTE}};
+    float data[SIDE * SIDE * 4];
+    char error[RND_ERROR_SIZE];
+    const char *path = files_path(name);
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        data[4 * i] = data[4 * i + 1] = data[4 * i + 2] = 0.5f;
+        data[4 * i + 3] = i % SIDE < SIDE / 2 ? left : right;
+    }
+    if (!rnd_pixels_write(path, "png", SIDE, SIDE, 4, rgba, data, false, error, sizeof error))
+        fail_msg("%s", error);
+    return path;
+}
+
+#define IMAGE                                                                                                \
+    ",\"textures\":[{\"source\":0,\"sampler\":0}],\"images\":[{\"uri\":\"halves.png\"}],"                    \
+    "\"samplers\":[{\"wrapS\":33648,\"wrapT\":33071}]"
+
+/* --- materials --- */
+
+static void all_factors(void **state)
+{
+    (void)state;
+    struct rnd_scene *scene = with_material(
+        "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.1,0.2,0.3,0.4],\"metallicFactor\":0.5,"
+        "\"roughnessFactor\":0.6},\"alphaMode\":\"MASK\",\"alphaCutoff\":0.25,\"doubleSided\":true,"
+        "\"emissiveFactor\":[1,0.5,0],\"extensions\":{\"KHR_materials_emissive_strength\":{"
+        "\"emissiveStrength\":6},\"KHR_materials_ior\":{\"ior\":1.33},\"KHR_materials_specular\":{"
+        "\"specularFactor\":0.7,\"specularColorFactor\":[0.5,1,2]},\"KHR_materials_transmission\":{"
+        "\"transmissionFactor\":0.9},\"KHR_materials_volume\":{\"thicknessFactor\":0.1,"
+        "\"attenuationDistance\":2,\"attenuationColor\":[1,0.5,0]},\"KHR_materials_clearcoat\":{"
+        "\"clearcoatFactor\":0.8,\"clearcoatRoughnessFactor\":0.3},\"KHR_materials_sheen\":{"
+        "\"sheenColorFactor\":[0.2,0.3,0.4],\"sheenRoughnessFactor\":0.45},\"KHR_materials_unlit\":{}}}",
+        "");
+    const struct rnd_material *m = only(scene);
+    assert_int_equal(m->kind, RND_RICH);
+    assert_int_equal(m->alpha_mode, RND_MASK);
+    assert_true(m->double_sided && m->unlit && !m->thin);
+    NEAR(m->base.y, 0.2), NEAR(m->alpha, 0.4), NEAR(m->alpha_cutoff, 0.25);
+    NEAR(m->metallic, 0.5), NEAR(m->roughness, 0.6), NEAR(m->ior, 1.33);
+    NEAR(m->emission.x, 6), NEAR(m->emission.y, 3), NEAR(m->emission.z, 0);
+    NEAR(m->specular, 0.7), NEAR(m->specular_colour.x, 0.5), NEAR(m->specular_colour.z, 2);
+    NEAR(m->transmission, 0.9), NEAR(m->clearcoat, 0.8), NEAR(m->clearcoat_roughness, 0.3);
+    NEAR(m->absorption.x, 0), NEAR(m->absorption.y, -logf(0.5f) / 2);
+    assert_true(m->absorption.z > 5 && isfinite(m->absorption.z));
+    NEAR(m->sheen_colour.z, 0.4), NEAR(m->sheen_roughness, 0.45);
+    assert_string_equal(rnd_scene_info(scene)->unsupported, "");
+    rnd_scene_destroy(scene);
+}
+
+static void defaults(void **state)
+{
+    (void)state;
+    static const char bare[] = "{\"attributes\":{\"POSITION\":0},\"indices\":2}";
+    const struct files_part parts[] = {FILES_SQUARE};
+    const char *path = files_parts("bare.gltf", bare, node, "{\"alphaMode\":\"BLEND\"}", "", parts, 3);
+    struct rnd_scene *scenes[2] = {with_material("{}", ""),
+                                   files_load(path, files_env("env.exr", 1), NULL, NULL)};
+    for (int i = 0; i < 2; i++) {
+        const struct rnd_material *m = only(scenes[i]);
+        assert_int_equal(m->kind, RND_METAL_ROUGH);
+        assert_int_equal(m->alpha_mode, RND_OPAQUE);
+        assert_true(m->thin && !m->double_sided && !m->unlit);
+        NEAR(m->base.x, 1), NEAR(m->metallic, 1), NEAR(m->roughness, 1), NEAR(m->ior, 1.5),
+            NEAR(m->specular, 1);
+        NEAR(m->alpha, 1), NEAR(m->alpha_cutoff, 0.5), NEAR(m->transmission, 0), NEAR(m->absorption.x, 0);
+        for (int use = 0; use < RND_MAPS; use++) assert_int_equal(m->map[use].texture, -1);
+        rnd_scene_destroy(scenes[i]);
+    }
+}
+
+static void kinds(void **state)
+{
+    (void)state;
+#define DULL                                                                                                 \
+    "\"pbrMetallicRoughness\":{\"metallicFactor\":0},\"extensions\":{\"KHR_materials_specular\":{"           \
+    "\"specularFactor\":0}}"
+    static const struct {
+        const char *material;
+        enum rnd_material_kind kind;
+    } cases[] = {
+        {"{" DULL "}", RND_DIFFUSE},
+        {"{\"alphaMode\":\"BLEND\"," DULL "}", RND_DIFFUSE},
+        {"{\"normalTexture\":{\"index\":1}," DULL "}", RND_METAL_ROUGH},
+        {"{\"emissiveFactor\":[1,1,1],\"emissiveTexture\":{\"index\":1}," DULL "}", RND_DIFFUSE},
+        {"{\"emissiveFactor\":[1,1,1],\"emissiveTexture\":{\"index\":1,\"texCoord\":1}," DULL "}", RND_RICH},
+        {"{}", RND_METAL_ROUGH},
+        {"{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":1},\"metallicRoughnessTexture\":{"
+         "\"index\":1}}}",
+         RND_METAL_ROUGH},
+        {"{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}",
+         RND_RICH}, /* it does not repeat */
+        {"{\"normalTexture\":{\"index\":1,\"extensions\":{\"KHR_texture_transform\":{}}}}", RND_METAL_ROUGH},
+        {"{\"normalTexture\":{\"index\":1,\"extensions\":{\"KHR_texture_transform\":{\"scale\":[2,1]}}}}",
+         RND_RICH},
+        {"{\"extensions\":{\"KHR_materials_transmission\":{}}}", RND_METAL_ROUGH},
+        {"{\"extensions\":{\"KHR_materials_transmission\":{\"transmissionFactor\":0.1}}}", RND_RICH},
+        {"{\"extensions\":{\"KHR_materials_clearcoat\":{\"clearcoatFactor\":1}}}", RND_RICH},
+        {"{\"extensions\":{\"KHR_materials_sheen\":{\"sheenColorFactor\":[0,0,1]}}}", RND_RICH},
+        {"{\"extensions\":{\"KHR_materials_unlit\":{}}}", RND_RICH},
+        {"{\"extensions\":{\"KHR_materials_specular\":{\"specularColorFactor\":[1,1,0]}}}", RND_RICH},
+        {"{\"extensions\":{\"KHR_materials_ior\":{\"ior\":2}}}", RND_METAL_ROUGH},
+    };
+    write_halves("halves.png", 1, 1);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct rnd_scene *scene = with_material(
+            cases[i].material, ",\"textures\":[{\"source\":0,\"sampler\":0},{\"source\":0}],"
+                               "\"images\":[{\"uri\":\"halves.png\"}],\"samplers\":[{\"wrapS\":33071}]");
+        if (only(scene)->kind != cases[i].kind) print_message("%s\n", cases[i].material);
+        assert_int_equal(only(scene)->kind, cases[i].kind);
+        rnd_scene_destroy(scene);
+    }
+}
+
+static void maps(void **state)
+{
+    (void)state;
+    write_halves("halves.png", 1, 1);
+    struct rnd_scene *scene = with_material(
+        "{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0,\"texCoord\":0,\"extensions\":{"
+        "\"KHR_texture_transform\":{\"offset\":[0.5,0.25],\"rotation\":1.5707963,\"scale\":[2,3],"
+        "\"texCoord\":1}}},"
+        "\"metallicRoughnessTexture\":{\"index\":0}},\"normalTexture\":{\"index\":0,\"scale\":0.5},"
+        "\"extensions\":{\"KHR_materials_specular\":{\"specularTexture\":{\"index\":0},"
+        "\"specularColorTexture\":{"
+        "\"index\":0}},\"KHR_materials_clearcoat\":{\"clearcoatFactor\":1,\"clearcoatTexture\":{\"index\":0},"
+        "\"clearcoatNormalTexture\":{\"index\":0,\"scale\":2}},\"KHR_materials_sheen\":{\"sheenColorFactor\":"
+        "[1,1,1],"
+        "\"sheenColorTexture\":{\"index\":0},\"sheenRoughnessTexture\":{\"index\":0}},"
+        "\"KHR_materials_transmission\":{\"transmissionFactor\":1,\"transmissionTexture\":{\"index\":0,"
+        "\"texCoord\":1}}}}",
+        IMAGE);
+    const struct rnd_material *m = only(scene);
+    const struct rnd_map *base = &m->map[RND_MAP_BASE];
+    /* a quarter turn takes (u, v) to (v, -u): anticlockwise as seen, v being downwards */
+    static const float turned[6] = {0, 3, 0.5f, -2, 0, 0.25f};
+    for (int i = 0; i < 6; i++) NEAR(base->transform[i], turned[i]);
+    assert_true(base->has_transform && !m->map[RND_MAP_NORMAL].has_transform);
+    assert_int_equal(base->uv_set, 1);
+    assert_int_equal(m->map[RND_MAP_TRANSMISSION].uv_set, 1);
+    assert_int_equal(m->map[RND_MAP_NORMAL].uv_set, 0);
+    assert_int_equal(base->wrap[0], RND_MIRROR);
+    assert_int_equal(base->wrap[1], RND_CLAMP);
+    NEAR(m->normal_scale, 0.5), NEAR(m->clearcoat_normal_scale, 2);
+    NEAR(m->map[RND_MAP_NORMAL].transform[0], 1), NEAR(m->map[RND_MAP_NORMAL].transform[4], 1);
+    for (int use = 0; use < RND_MAPS; use++) {
+        const bool colour =
+            use == RND_MAP_BASE || use == RND_MAP_SPECULAR_COLOUR || use == RND_MAP_SHEEN_COLOUR;
+        if (use == RND_MAP_EMISSION || use == RND_MAP_CLEARCOAT_ROUGHNESS || use == RND_MAP_COVERAGE) {
+            assert_int_equal(m->map[use].texture, -1);
+            continue;
+        }
+        assert_true(m->map[use].texture >= 0);
+        assert_int_equal(scene->texture[m->map[use].texture].srgb, colour);
+    }
+    assert_int_equal(scene->texture_count, 2); /* one image, as colours and as numbers */
+    rnd_scene_destroy(scene);
+}
+
+/* An image within a buffer; and a view that holds none. */
+static void image_in_buffer(void **state)
+{
+    (void)state;
+    static char png[20000];
+    static const char material[] = "{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}";
+    FILE *file = fopen(write_halves("halves.png", 0, 1), "rb");
+    assert_non_null(file);
+    const size_t length = fread(png, 1, sizeof png, file);
+    fclose(file);
+    const struct files_part parts[] = {FILES_SQUARE, {png, length, NULL}};
+    for (int view = 3; view >= 0; view -= 3) {
+        char more[200], error[RND_ERROR_SIZE] = "";
+        snprintf(more, sizeof more,
+                 ",\"textures\":[{\"source\":0}],\"images\":[{\"bufferView\":%d,\"mimeType\":"
+                 "\"image/png\"}]",
+                 view);
+        const char *path = files_parts("inside.gltf", files_primitive, node, material, more, parts, 4);
+        const struct rnd_scene_options options = {.path = path, .env_path = files_env("env.exr", 1)};
+        struct rnd_scene *scene = rnd_scene_load(&options, error);
+        print_message("%s\n", scene ? "loaded" : error);
+        if (view == 3) {
+            assert_non_null(scene);
+            assert_int_equal(scene->texture[only(scene)->map[RND_MAP_BASE].texture].pixels.width, 16);
+        } else {
+            assert_null(scene);
+            assert_non_null(strstr(error, "inside.gltf"));
+        }
+        rnd_scene_destroy(scene);
+    }
+}
+
+static void specular_glossiness(void **state)
+{
+    (void)state;
+    struct rnd_scene *scene = with_material(
+        "{\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{\"diffuseFactor\":[0.1,0.2,0.3,1],"
+        "\"specularFactor\":[0.16,0.04,0.08],\"glossinessFactor\":0.75}}}",
+        "");
+    const struct rnd_material *m = only(scene);
+    const float root = (m->ior - 1) / (m->ior + 1);
+    NEAR(m->base.y, 0.2), NEAR(m->metallic, 0), NEAR(m->roughness, 0.25), NEAR(m->specular, 1);
+    NEAR(root * root * m->specular_colour.x, 0.16);
+    NEAR(root * root * m->specular_colour.y, 0.04);
+    NEAR(root * root * m->specular_colour.z, 0.08);
+    rnd_scene_destroy(scene);
+}
+
+/* Values that a material cannot have, and types that its keys do not: a line, or the default. */
+static void broken_values(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *material;
+        bool loads;
+    } cases[] = {
+        {"{\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,2,1]}}", false},
+        {"{\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,-1,1]}}", false},
+        {"{\"pbrMetallicRoughness\":{\"roughnessFactor\":1.5}}", false},
+        {"{\"pbrMetallicRoughness\":{\"metallicFactor\":1e300}}", false},
+        {"{\"emissiveFactor\":[-1,0,0]}", false},
+        {"{\"alphaCutoff\":-1}", false},
+        {"{\"extensions\":{\"KHR_materials_ior\":{\"ior\":0.5}}}", false},
+        {"{\"extensions\":{\"KHR_materials_volume\":{\"attenuationDistance\":0}}}", false},
+        {"{\"normalTexture\":{\"index\":9}}", false},
+        {"{\"normalTexture\":{}}", false},
+        {"{\"pbrMetallicRoughness\":{\"baseColorFactor\":\"red\",\"metallicFactor\":\"x\","
+         "\"roughnessFactor\":[]}}",
+         true},
+        {"{\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,2],\"baseColorTexture\":7}}", true},
+        {"{\"pbrMetallicRoughness\":[],\"extensions\":3,\"alphaMode\":5,\"name\":{},\"doubleSided\":\"no\"}",
+         true},
+        {"{\"emissiveFactor\":[1,\"x\",1],\"normalTexture\":\"x\",\"extensions\":{\"KHR_materials_sheen\":1}"
+         "}",
+         true},
+        {"{\"normalTexture\":{\"index\":0,\"texCoord\":\"x\",\"extensions\":{\"KHR_texture_transform\":{"
+         "\"scale\":[{},1],\"rotation\":\"x\",\"offset\":1}}}}",
+         true},
+        {"7", true},
+        {"{\"extensions\":{\"KHR_materials_ior\":{\"ior\":0}}}", true}, /* means a mirror */
+        {"{\"normalTexture\":{\"index\":0,\"texCoord\":7}}", true},
+    };
+    write_halves("halves.png", 1, 1);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char error[RND_ERROR_SIZE] = "";
+        const struct rnd_scene_options options = {.path =
+                                                      files_gltf("b.gltf", 1, node, cases[i].material, IMAGE),
+                                                  .env_path = files_env("env.exr", 1)};
+        struct rnd_scene *scene = rnd_scene_load(&options, error);
+        print_message("%s\n", scene ? "loaded" : error);
+        assert_int_equal(scene != NULL, cases[i].loads);
+        if (!scene) assert_non_null(strstr(error, "b.gltf: material 0"));
+        assert_null(strchr(error, '\n'));
+        rnd_scene_destroy(scene);
+    }
+}
+
+/* --- MTL --- */
+
+static struct rnd_scene *with_mtl(const char *mtl)
+{
+    files_text("m.mtl", mtl);
+    return files_load(files_text("m.obj",
+                                 "mtllib m.mtl\nusemtl m\nv -1 0 -1\nv -1 0 1\nv 1 0 1\nvt 0 1\nvt 0 0\n"
+                                 "vt 1 0\nf 1/1 2/2 3/3\n"),
+                      files_env("env.exr", 1), NULL, NULL);
+}
+
+static void mtl(void **state)
+{
+    (void)state;
+    write_halves("halves.png", 0, 1);
+    struct rnd_scene *scene = with_mtl("newmtl m\nKd 0.3 0.4 0.5\nKe 1 2 3\nd 0.25\nillum 1\nKs 1 1 1\n");
+    const struct rnd_material *m = only(scene);
+    assert_int_equal(m->kind, RND_DIFFUSE);
+    assert_int_equal(m->alpha_mode, RND_BLEND);
+    NEAR(m->base.y, 0.4), NEAR(m->emission.z, 3), NEAR(m->alpha, 0.25), NEAR(m->specular, 0);
+    rnd_scene_destroy(scene);
+
+    scene = with_mtl(
+        "newmtl m\nKd 0.3 0.4 0.5\nKs 0.2 0.1 0.05\nNs 98\nillum 2\nmap_Kd -clamp on halves.png\n"
+        "map_Ks halves.png\nmap_d halves.png\nnorm halves.png\nmap_bump halves.png\nmap_Ns halves.png\n");
+    m = only(scene);
+    const float root = (m->ior - 1) / (m->ior + 1);
+    assert_int_equal(m->kind, RND_RICH);
+    assert_int_equal(m->alpha_mode, RND_BLEND);
+    NEAR(root * root * m->specular_colour.x, 0.2), NEAR(root * root * m->specular_colour.z, 0.05);
+    NEAR(m->roughness, sqrtf(sqrtf(0.02f)));
+    assert_int_equal(m->map[RND_MAP_BASE].wrap[0], RND_CLAMP);
+    assert_true(m->map[RND_MAP_SPECULAR_COLOUR].texture >= 0 && m->map[RND_MAP_COVERAGE].texture >= 0);
+    assert_false(scene->texture[m->map[RND_MAP_NORMAL].texture].srgb);
+    assert_string_equal(rnd_scene_info(scene)->unsupported, "bump maps, maps of Phong's exponent");
+    rnd_scene_destroy(scene);
+
+    scene = with_mtl("newmtl m\nKd 1 1 1\nKs 0.5 0.5 0.5\nTf 0.25 1 0.81\nNi 1.4\nd 0.1\nillum 7\n");
+    m = only(scene);
+    assert_int_equal(m->alpha_mode, RND_OPAQUE);
+    NEAR(m->transmission, 1), NEAR(m->ior, 1.4), NEAR(m->roughness, 0), NEAR(m->base.x, 0.5),
+        NEAR(m->base.z, 0.9);
+    assert_false(m->thin);
+    rnd_scene_destroy(scene);
+
+    static const char *const bad[] = {"newmtl m\nKd -1 0 0\n", "newmtl m\nKe nan 0 0\n", "newmtl m\nd 2\n",
+                                      "newmtl m\nNi 0.5\nillum 7\n"};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        char error[RND_ERROR_SIZE] = "";
+        files_text("m.mtl", bad[i]);
+        const struct rnd_scene_options options = {.path = files_path("m.obj"),
+                                                  .env_path = files_path("env.exr")};
+        assert_null(rnd_scene_load(&options, error));
+        print_message("%s\n", error);
+        assert_non_null(strstr(error, "m.obj: material \"m\""));
+    }
+}
+
+/* --- coverage --- */
+
+/* A black sheet at y = 0 under a white sky: what is seen of the sky below it, to the left and to the right.
+ */
+static void assert_seen(const char *material, double left, double right, double tolerance)
+{
+    write_halves("halves.png", 0, 0.75f);
+    struct rnd_scene *scene = with_material(material, ",\"textures\":[{\"source\":0}],\"images\":[{\"uri\":"
+                                                      "\"halves.png\"}]");
+    const struct rnd_aim aims[2] = {files_aim(-0.5, -1, 0), files_aim(0.5, -1, 0)};
+    rnd_scene_destroy(scene);
+    scene = files_load(files_path("m.gltf"), files_path("env.exr"), NULL, (float[]){0, 1, 0});
+    for (int i = 0; i < 2; i++)
+        assert_float_equal(files_radiance(scene, "fv", 0, 40000, &aims[i], 8, NULL), i ? right : left,
+                           tolerance);
+    rnd_scene_destroy(scene);
+}
+
+#define BLACK(mode, alpha, map)                                                                              \
+    "{\"alphaMode\":\"" mode                                                                                 \
+    "\",\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorFactor\":[0,0,0," alpha "]" map            \
+    "},\"extensions\":{\"KHR_materials_specular\":{\"specularFactor\":0}}}"
+#define HALVES ",\"baseColorTexture\":{\"index\":0}"
+
+static void coverage(void **state)
+{
+    (void)state;
+    assert_seen(BLACK("OPAQUE", "0.3", HALVES), 0, 0, 1e-6);
+    assert_seen(BLACK("MASK", "1", HALVES), 1, 0, 1e-6);
+    assert_seen(BLACK("MASK", "0.6", HALVES), 1, 1, 1e-6); /* 0.45 is below the cut-off */
+    assert_seen(BLACK("MASK", "0.4", ""), 1, 1, 1e-6);
+    assert_seen(BLACK("MASK", "0.6", ""), 0, 0, 1e-6);
+    assert_seen(BLACK("BLEND", "0.3", ""), 0.7, 0.7, 0.02);
+    assert_seen(BLACK("BLEND", "0.4", HALVES), 1, 0.7, 0.02);
+    assert_seen(BLACK("BLEND", "1", ""), 0, 0, 1e-6);
+}
+
+/* A floor that gets its light through a wide sheet above it, by shadow rays; the eye is in between. */
+static void coverage_of_shadows(void **state)
+{
+    (void)state;
+    files_text("s.mtl", "newmtl floor\nKd 0.5 0.5 0.5\nnewmtl sheet\nKd 0 0 0\nd 0.3\n");
+    const char *path = files_text(
+        "s.obj", "mtllib s.mtl\nv -99 -1 -99\nv -99 -1 99\nv 99 -1 99\nv 99 -1 -99\nv -99 1 -99\nv -99 1 99\n"
+                 "v 99 1 99\nv 99 1 -99\nusemtl floor\nf 1 2 3 4\nusemtl sheet\nf 5 6 7 8\n");
+    struct rnd_scene *scene = files_load(path, files_env("env.exr", 1), NULL, (float[]){0, 0, 0});
+    const struct rnd_aim down = files_aim(0, -1, 0);
+    assert_float_equal(files_radiance(scene, "fv", 0, 100000, &down, 30, NULL), 0.5 * 0.7, 0.01);
+    rnd_scene_destroy(scene);
+}
+
+/* --- other people's files --- */
+
+static void have(const char *folder)
+{
+    if (access(folder, R_OK) == 0) return;
+    print_message("skipped: no %s\n", folder);
+    skip();
+}
+
+static void cornell_boxes(void **state)
+{
+    (void)state;
+    have(SHARED_DATA "/scenes/cornell-box");
+    static const struct {
+        const char *file;
+        int mirrors, glasses, glossy;
+        float ior;
+    } cases[] = {{"Original", 0, 0, 0, 0},    {"Empty-CO", 0, 0, 0, 0},       {"Empty-RG", 0, 0, 0, 0},
+                 {"Empty-White", 0, 0, 0, 0}, {"Empty-Squashed", 0, 0, 0, 0}, {"Mirror", 1, 0, 0, 0},
+                 {"Sphere", 1, 1, 0, 2.5f},   {"Water", 1, 2, 0, 1.5f},       {"Glossy", 0, 0, 2, 0},
+                 {"Glossy-Floor", 0, 0, 2, 0}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char path[300];
+        int mirrors = 0, glasses = 0, glossy = 0;
+        snprintf(path, sizeof path, SHARED_DATA "/scenes/cornell-box/CornellBox-%s.obj", cases[i].file);
+        struct rnd_scene *scene = files_load(path, files_env("env.exr", 1), NULL, NULL);
+        bool used[64] = {false};
+        for (uint32_t k = 0; k < scene->mesh_count; k++) used[scene->mesh[k].material] = true;
+        for (uint32_t k = 0; k < scene->material_count; k++) {
+            const struct rnd_material *m = &scene->material[k];
+            if (!used[k]) continue;
+            mirrors += m->metallic == 1.0f && m->roughness == 0.0f && m->base.x == 0.95f;
+            glossy += m->kind == RND_METAL_ROUGH && m->metallic == 0.0f && m->specular == 1.0f &&
+                      m->roughness < 0.6f;
+            if (m->transmission == 1.0f) {
+                assert_true(!m->thin && m->roughness == 0.0f && m->kind == RND_RICH);
+                if (++glasses == cases[i].glasses) NEAR(m->ior, cases[i].ior);
+                NEAR(m->base.x * m->base.x, 0.1); /* Tf 0.1, on the way in and out */
+            }
+        }
+        print_message("%s: %d mirrors, %d glasses, %d glossy\n", cases[i].file, mirrors, glasses, glossy);
+        assert_int_equal(mirrors, cases[i].mirrors);
+        assert_int_equal(glasses, cases[i].glasses);
+        assert_int_equal(glossy, cases[i].glossy);
+        rnd_scene_destroy(scene);
+    }
+}
+
+#define FIELD(name) offsetof(struct rnd_material, name)
+
+static void blender_materials(void **state)
+{
+    (void)state;
+    have(SHARED_DATA "/scenes/gltf-tests");
+    static const struct {
+        const char *file;
+        int mesh; /* whose material, in the order of the scene's */
+        size_t field;
+        float value;
+    } cases[] = {
+        {"01_alpha_mask", 0, FIELD(alpha_cutoff), 0.42f},
+        {"01_metallic_sphere", 0, FIELD(roughness), 0.0f},
+        {"01_unlit", 1, FIELD(alpha), 0.5f},
+        {"04_sphere_specular_glossiness", 0, FIELD(roughness), 1.0f},
+        {"09_texture_transform", 0, FIELD(map[RND_MAP_BASE].transform[2]), 0.1f},
+        {"09_texture_transform", 0, FIELD(map[RND_MAP_METAL_ROUGH].transform[5]), 0.3f},
+        {"14_emission_strength", 3, FIELD(emission.x), 4.5f},
+        {"15_transmission", 1, FIELD(transmission), 0.8f},
+        {"16_volume", 0, FIELD(absorption.y), 0.693147f},
+        {"17_ior", 2, FIELD(ior), 2.0f},
+        {"19_sheen", 2, FIELD(sheen_roughness), 0.8f},
+        {"20_specular", 4, FIELD(specular), 0.75f},
+        {"20_specular", 6, FIELD(specular_colour.y), 0.3f},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char path[300];
+        float value;
+        snprintf(path, sizeof path, SHARED_DATA "/scenes/gltf-tests/%s/%s.gltf", cases[i].file,
+                 cases[i].file);
+        struct rnd_scene *scene = files_load(path, files_env("env.exr", 1), NULL, NULL);
+        const struct rnd_material *m = &scene->material[scene->mesh[cases[i].mesh].material];
+        memcpy(&value, (const char *)m + cases[i].field, sizeof value);
+        print_message("%s: %g\n", cases[i].file, (double)value);
+        NEAR(value, cases[i].value);
+        rnd_scene_destroy(scene);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(all_factors),     cmocka_unit_test(defaults),
+        cmocka_unit_test(kinds),           cmocka_unit_test(maps),
+        cmocka_unit_test(image_in_buffer), cmocka_unit_test(specular_glossiness),
+        cmocka_unit_test(broken_values),   cmocka_unit_test(mtl),
+        cmocka_unit_test(coverage),        cmocka_unit_test(coverage_of_shadows),
+        cmocka_unit_test(cornell_boxes),   cmocka_unit_test(blender_materials),
+    };
+    return cmocka_run_group_tests_name("renderer_materials_import", tests, files_setup, files_teardown);
+}

@@ -1,0 +1,220 @@
+/* What scene files say of vertices and nodes: colours, coordinates, first frames, instances. */
+#include "renderer_parts.h"
+
+static const char node[] = "{\"mesh\":0}";
+
+static void colours_and_sets(void **state)
+{
+    (void)state;
+    static const float rgb[12] = {1, 0.5f, 0, 0, 0, 0, 0, 0, 2, 1, 1, 1},
+                       rgba[16] = {1, 0.5f, 0, 0.25f, [15] = 1};
+    static const uint8_t bytes[16] = {255, 128, 0, 51};
+    static const uint16_t words[16] = {65535, 32768, 0, 13107};
+    static const float second[8] = {5, 6, 7, 8};
+    const struct {
+        struct files_part colour;
+        float alpha;
+    } cases[] = {
+        {{rgb, sizeof rgb, "\"componentType\":5126,\"count\":4,\"type\":\"VEC3\""}, 1.0f},
+        {{rgba, sizeof rgba, "\"componentType\":5126,\"count\":4,\"type\":\"VEC4\""}, 0.25f},
+        {{bytes, sizeof bytes, "\"componentType\":5121,\"normalized\":true,\"count\":4,\"type\":\"VEC4\""},
+         0.2f},
+        {{words, sizeof words, "\"componentType\":5123,\"normalized\":true,\"count\":4,\"type\":\"VEC4\""},
+         0.2f}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const struct files_part parts[] = {
+            FILES_SQUARE,
+            cases[i].colour,
+            {second, sizeof second, "\"componentType\":5126,\"count\":4,\"type\":\"VEC2\""}};
+        const char *path = files_parts("c.gltf",
+                                       "{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1,\"COLOR_0\":3,"
+                                       "\"TEXCOORD_1\":4},\"indices\":2,\"material\":0}",
+                                       node, "{}", "", parts, 5);
+        struct rnd_scene *scene = files_load(path, files_env("env.exr", 1), NULL, NULL);
+        const struct rnd_mesh *mesh = &scene->mesh[0];
+        assert_non_null(mesh->colour);
+        assert_non_null(mesh->uv[1]);
+        assert_null(mesh->normal);
+        NEAR(mesh->colour[0], 1), NEAR(mesh->colour[1], i < 2 ? 0.5 : i == 2 ? 128 / 255.0 : 32768 / 65535.0);
+        NEAR(mesh->colour[3], cases[i].alpha);
+        if (i == 0) NEAR(mesh->colour[10], 1); /* no more than all */
+        NEAR(mesh->uv[1][0], 5), NEAR(mesh->uv[1][3], 8), NEAR(mesh->uv[0][2], 0), NEAR(mesh->uv[0][3], 1);
+        rnd_scene_destroy(scene);
+    }
+}
+
+static void first_frame(void **state)
+{
+    (void)state;
+    static const float times[2] = {0, 1}, moves[6] = {1, 2, 3, 9, 9, 9},
+                       turns[8] = {0, 0.70710678f, 0, 0.70710678f},
+                       spline[18] = {9, 9, 9, 2, 2, 2, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9, 9};
+    const struct files_part parts[] = {
+        FILES_SQUARE,
+        {times, sizeof times, "\"componentType\":5126,\"count\":2,\"type\":\"SCALAR\""},
+        {moves, sizeof moves, "\"componentType\":5126,\"count\":2,\"type\":\"VEC3\""},
+        {turns, sizeof turns, "\"componentType\":5126,\"count\":2,\"type\":\"VEC4\""},
+        {spline, sizeof spline, "\"componentType\":5126,\"count\":6,\"type\":\"VEC3\""}};
+    const char *path = files_parts(
+        "moves.gltf", files_primitive, "{\"mesh\":0,\"scale\":[1,1,5],\"translation\":[7,7,7]}", "{}",
+        ",\"animations\":[{\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"translation\"}},"
+        "{\"sampler\":1,\"target\":{\"node\":0,\"path\":\"rotation\"}},{\"sampler\":2,\"target\":{\"node\":0,"
+        "\"path\":\"scale\"}}],\"samplers\":[{\"input\":3,\"output\":4},{\"input\":3,\"output\":5},{"
+        "\"input\":3,"
+        "\"output\":6,\"interpolation\":\"CUBICSPLINE\"}]}]",
+        parts, 7);
+    struct rnd_scene *scene = files_load(path, files_env("env.exr", 1), NULL, NULL);
+    /* (-1, 0, -1) doubled, a quarter turn around y, moved */
+    NEAR(scene->mesh[0].position[0], -2 + 1), NEAR(scene->mesh[0].position[1], 2);
+    NEAR(scene->mesh[0].position[2], 2 + 3);
+    assert_string_equal(rnd_scene_info(scene)->unsupported, "animation (its first frame is shown)");
+    rnd_scene_destroy(scene);
+
+    char error[RND_ERROR_SIZE] = "";
+    path = files_parts("short.gltf", files_primitive, node, "{}",
+                       ",\"animations\":[{\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":"
+                       "\"rotation\"}}],\"samplers\":[{\"input\":3,\"output\":4}]}]",
+                       parts, 7);
+    const struct rnd_scene_options options = {.path = path, .env_path = files_path("env.exr")};
+    assert_null(rnd_scene_load(&options, error));
+    assert_non_null(strstr(error, "short.gltf: an accessor"));
+}
+
+/* What a ray straight down at (x, z) hits: mesh, instance, place and side in the world. */
+static const struct rnd_instance *look_down(const struct rnd_scene *scene, float x, float z,
+                                            uint32_t *out_mesh, vec3s *out_point, vec3s *out_normal)
+{
+    struct RTCIntersectContext context;
+    struct RTCRayHit hit = {
+        .ray = {.org_x = x, .org_y = 50, .org_z = z, .dir_y = -1, .tfar = INFINITY, .mask = UINT32_MAX},
+        .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}}};
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(scene->tree, &context, &hit);
+    if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) fail_msg("nothing at %g, %g", x, z);
+    const struct rnd_instance *instance = rnd_resolve_hit(scene, hit.hit.geomID, hit.hit.instID[0], out_mesh);
+    const struct rnd_mesh *mesh = &scene->mesh[*out_mesh];
+    for (int c = 0; c < 3; c++)
+        out_point->raw[c] =
+            rnd_interpolate(mesh->position, 3, c, mesh->index[hit.hit.primID], hit.hit.u, hit.hit.v);
+    *out_normal = (vec3s){{hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z}};
+    if (instance) {
+        *out_point = rnd_instance_point(instance, *out_point);
+        *out_normal = rnd_instance_normal(instance, *out_normal);
+    }
+    return instance;
+}
+
+static void instances(void **state)
+{
+    (void)state;
+    enum { MANY = 1200 };
+    static uint16_t many[6 * MANY];
+    for (int i = 0; i < 6 * MANY; i++) many[i] = files_two[i % 6];
+    struct files_part parts[] = {FILES_SQUARE};
+    parts[2] =
+        (struct files_part){many, sizeof many, "\"componentType\":5123,\"count\":7200,\"type\":\"SCALAR\""};
+    static const char nodes[] =
+        "{\"children\":[1,2,3,4]},{\"mesh\":0,\"translation\":[0,1,0]},{\"mesh\":0,\"translation\":[10,2,0],"
+        "\"scale\":[-2,1,1]},{\"mesh\":0,\"translation\":[20,3,0],\"rotation\":[1,0,0,0]},"
+        "{\"mesh\":0,\"translation\":[30,4,0],\"scale\":[1,0,1]}"; /* the last has no inverse */
+    struct rnd_scene *scene =
+        files_load(files_parts("often.gltf", files_primitive, nodes, "{}", "", parts, 3),
+                   files_env("env.exr", 1), NULL, NULL);
+    assert_int_equal(scene->instance_count, 3);
+    assert_int_equal(scene->mesh_count, 2);
+    assert_int_equal(rnd_scene_info(scene)->triangles, 4 * 2 * MANY);
+    NEAR(rnd_scene_info(scene)->bounds[1][0], 31), NEAR(rnd_scene_info(scene)->bounds[0][0], -1);
+    for (int i = 0; i < 4; i++) {
+        uint32_t mesh;
+        vec3s point, normal;
+        const float x = 10.0f * i + (i == 1 ? 1.5f : 0.4f);
+        const struct rnd_instance *instance = look_down(scene, x, 0.3f, &mesh, &point, &normal);
+        assert_true(i == 3 ? instance == NULL : instance != NULL);
+        NEAR(point.x, x), NEAR(point.y, 1 + i), NEAR(point.z, 0.3);
+        if (i < 3)
+            assert_true(i == 2 ? normal.y < 0 : normal.y > 0); /* mirrored keeps its side, turned does not */
+        assert_int_equal(scene->mesh[mesh].instanced, i < 3);
+    }
+    rnd_scene_destroy(scene);
+
+    /* what shines, and what is small, is in the world */
+    scene = files_load(
+        files_parts("shine.gltf", files_primitive, nodes, "{\"emissiveFactor\":[1,1,1]}", "", parts, 3), NULL,
+        NULL, NULL);
+    assert_int_equal(scene->instance_count, 0);
+    assert_int_equal(scene->mesh_count, 4);
+    rnd_scene_destroy(scene);
+    const struct files_part few[] = {FILES_SQUARE};
+    scene = files_load(files_parts("few.gltf", files_primitive, nodes, "{}", "", few, 3),
+                       files_path("env.exr"), NULL, NULL);
+    assert_int_equal(scene->instance_count, 0);
+    rnd_scene_destroy(scene);
+}
+
+/* A grey instance under a white sky is as bright as the same mesh in the world. */
+static void instances_shaded(void **state)
+{
+    (void)state;
+    enum { MANY = 1200 };
+    static uint16_t many[6 * MANY];
+    for (int i = 0; i < 6 * MANY; i++) many[i] = files_two[i % 6];
+    struct files_part parts[] = {FILES_SQUARE};
+    parts[2] =
+        (struct files_part){many, sizeof many, "\"componentType\":5123,\"count\":7200,\"type\":\"SCALAR\""};
+    static const char grey[] =
+        "{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorFactor\":[0.5,0.5,0.5,1]},"
+        "\"extensions\":{\"KHR_materials_specular\":{\"specularFactor\":0}}}",
+                      twice[] =
+                          "{\"children\":[1,2]},{\"mesh\":0,\"translation\":[0,-1,0],\"scale\":[3,1,3]},"
+                          "{\"mesh\":0,\"translation\":[0,-9,0]}";
+    const struct rnd_aim down = files_aim(0, -1, 0);
+    struct rnd_scene *scene = files_load(files_parts("grey.gltf", files_primitive, twice, grey, "", parts, 3),
+                                         files_env("env.exr", 1), NULL, (float[]){0, 0, 0});
+    assert_int_equal(scene->instance_count, 2);
+    assert_float_equal(files_radiance(scene, "fv", 0, 40000, &down, 20, NULL), 0.5, 0.01);
+    rnd_scene_destroy(scene);
+}
+
+static void gpu_instances(void **state)
+{
+    (void)state;
+    static const float places[6] = {5, 0, 0, -5, 1, 0}, sizes[6] = {1, 1, 1, 2, 2, 2};
+    const struct files_part parts[] = {
+        FILES_SQUARE,
+        {places, sizeof places, "\"componentType\":5126,\"count\":2,\"type\":\"VEC3\""},
+        {sizes, sizeof sizes, "\"componentType\":5126,\"count\":2,\"type\":\"VEC3\""}};
+    static const char nodes[] =
+        "{\"mesh\":0,\"translation\":[0,0,1],\"extensions\":{\"EXT_mesh_gpu_instancing\":{"
+        "\"attributes\":{\"TRANSLATION\":3,\"SCALE\":4}}}}";
+    struct rnd_scene *scene = files_load(files_parts("gpu.gltf", files_primitive, nodes, "{}", "", parts, 5),
+                                         files_env("env.exr", 1), NULL, NULL);
+    assert_int_equal(scene->mesh_count, 2);
+    NEAR(scene->mesh[0].position[0], 4), NEAR(scene->mesh[1].position[0], -7),
+        NEAR(scene->mesh[1].position[1], 1);
+    NEAR(scene->mesh[1].position[2], -1);
+    rnd_scene_destroy(scene);
+}
+
+/* Thousands of teapots by EXT_mesh_gpu_instancing. */
+static void blender_instances(void **state)
+{
+    (void)state;
+    static const char path[] = SHARED_DATA "/scenes/gltf-tests/24_gpu_instancing/24_gpu_instancing.gltf";
+    if (access(path, R_OK) != 0) {
+        print_message("skipped: no %s\n", path);
+        skip();
+    }
+    struct rnd_scene *scene = files_load(path, files_env("env.exr", 1), NULL, NULL);
+    assert_int_equal(scene->instance_count, 958 + 941);
+    rnd_scene_destroy(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(colours_and_sets), cmocka_unit_test(first_frame),
+        cmocka_unit_test(instances),        cmocka_unit_test(instances_shaded),
+        cmocka_unit_test(gpu_instances),    cmocka_unit_test(blender_instances),
+    };
+    return cmocka_run_group_tests_name("renderer_nodes_import", tests, files_setup, files_teardown);
+}

@@ -1,0 +1,62 @@
+/* glTF files of any parts, for tests of what they mean: each part a buffer, a view and an accessor of its
+ * own.
+ */
+#ifndef FOVEAD_TESTS_RENDERER_PARTS_H
+#define FOVEAD_TESTS_RENDERER_PARTS_H
+
+#include "renderer_files.h"
+
+#include "scene/scene.h"
+
+#define NEAR(a, b) assert_float_equal(a, b, 1e-4)
+
+/* Bytes of a buffer of their own, whose view and accessor have its number; the accessor's keys but for the
+ * view, or NULL: it has none, nor any part after it. */
+struct files_part {
+    const void *bytes;
+    size_t size;
+    const char *accessor;
+};
+
+static const float files_corners[12] = {-1, 0, -1, -1, 0, 1, 1, 0, 1, 1, 0, -1},
+                   files_uvs[8] = {0, 0, 0, 1, 1, 1, 1, 0};
+static const uint16_t files_two[6] = {0, 1, 2, 0, 2, 3};
+
+#define FILES_SQUARE                                                                                         \
+    {files_corners, sizeof files_corners,                                                                    \
+     "\"componentType\":5126,\"count\":4,\"type\":\"VEC3\",\"min\":[-1,0,-1],"                               \
+     "\"max\":[1,0,1]"},                                                                                     \
+        {files_uvs, sizeof files_uvs, "\"componentType\":5126,\"count\":4,\"type\":\"VEC2\""},               \
+    {                                                                                                        \
+        files_two, sizeof files_two, "\"componentType\":5123,\"count\":6,\"type\":\"SCALAR\""                \
+    }
+
+static const char files_primitive[] =
+    "{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},\"indices\":2,\"material\":0}";
+
+static inline const char *files_parts(const char *name, const char *primitive, const char *nodes,
+                                      const char *materials, const char *more, const struct files_part *part,
+                                      size_t count)
+{
+    static char text[700000], list[3][200000];
+    size_t n[3] = {0};
+    for (size_t i = 0; i < count; i++) {
+        const char *comma = i ? "," : "";
+        n[0] += (size_t)snprintf(list[0] + n[0], sizeof list[0] - n[0],
+                                 "%s{\"byteLength\":%zu,\"uri\":\"data:application/octet-stream;base64,%s\"}",
+                                 comma, part[i].size, files_base64(part[i].bytes, part[i].size));
+        n[1] += (size_t)snprintf(list[1] + n[1], sizeof list[1] - n[1],
+                                 "%s{\"buffer\":%zu,\"byteLength\":%zu}", comma, i, part[i].size);
+        if (part[i].accessor)
+            n[2] += (size_t)snprintf(list[2] + n[2], sizeof list[2] - n[2], "%s{\"bufferView\":%zu,%s}",
+                                     comma, i, part[i].accessor);
+    }
+    snprintf(text, sizeof text,
+             "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[%s],"
+             "\"meshes\":[{\"primitives\":[%s]}],\"materials\":[%s],\"buffers\":[%s],\"bufferViews\":[%s],"
+             "\"accessors\":[%s]%s}",
+             nodes, primitive, materials, list[0], list[1], list[2], more);
+    return files_text(name, text);
+}
+
+#endif
