@@ -87,7 +87,7 @@ RND_INLINE float rnd_ggx_reach(float cosine, float alpha)
 
 /* Of a white GGX lobe seen at a cosine: lost = 1 - E, and edge, the part of E that Schlick's term weighs. A
  * lobe with Fresnel f0, f90 has albedo f0 (1 - lost - edge) + f90 edge.
- * Where cosine >= 0.08, E is within 0.3 % and edge within 0.0025 of a quadrature; below, within four times
+ * Where cosine >= 0.08, E is within 0.35 % and edge within 0.0025 of a quadrature; below, within four times
  * that. */
 struct rnd_albedo {
     float lost, edge;
@@ -158,6 +158,7 @@ RND_INLINE float rnd_mr_through(const struct rnd_mr *m, struct rnd_albedo a)
 struct rnd_mr_view {
     struct rnd_v3 f0, f90;
     float through, share;
+    float albedo; /* of all, mean of the channels */
 };
 
 RND_INLINE struct rnd_mr_view rnd_mr_view(const struct rnd_mr *m, float cosine)
@@ -174,6 +175,7 @@ RND_INLINE struct rnd_mr_view rnd_mr_view(const struct rnd_mr *m, float cosine)
     const float gloss = rnd_v3_sum(v.f0) * (1.0f - a.lost - a.edge) + rnd_v3_sum(v.f90) * a.edge;
     const float matt = rnd_v3_sum(m->base) * coat * v.through;
     v.share = gloss / rnd_larger(gloss + matt, 1e-9f);
+    v.albedo = (gloss + matt) / 3.0f;
     return v;
 }
 

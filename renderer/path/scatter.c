@@ -3,7 +3,7 @@
  * Matt and metallic-roughness surfaces are done by vector instructions, all others one at a time by shade.c.
  */
 #include "path/ggx.h"
-#include "path/shade.h"
+#include "path/rich.h"
 #include "path/wave.h"
 
 /* Bounces before Russian roulette begins: shorter paths carry most of the light. */
@@ -107,39 +107,24 @@ static void draw_metal_rough(struct rnd_tracer *tracer, uint32_t begin, uint32_t
 
 static void rich(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
 {
-    const struct rnd_surfaces *s = &tracer->surfaces;
     const struct rnd_light_choices *lights = &tracer->lights;
     struct rnd_scatters *to = &tracer->scatters;
     for (uint32_t j = begin; j < end; j++) {
-        const struct rnd_v3 d = rnd_get(&tracer->paths[1].direction, j), l = rnd_get(&lights->direction, j);
-        const vec3s direction = {{d.x, d.y, d.z}}, wo = glms_vec3_negate(direction);
-        struct rnd_hit hit = {.mesh = s->mesh[j],
-                              .triangle = s->triangle[j],
-                              .u = s->u[j],
-                              .v = s->v[j],
-                              .distance = s->distance[j]};
-        const float side = s->front[j] ? 1.0f : -1.0f;
-        hit.normal = (vec3s){{side * s->geometric.x[j], side * s->geometric.y[j], side * s->geometric.z[j]}};
-        if (s->instance[j] != RTC_INVALID_GEOMETRY_ID) {
-            hit.instance = &tracer->scene->instance[s->instance[j] - tracer->scene->mesh_count];
-            hit.normal = rnd_instance_normal_back(hit.instance, hit.normal);
-        }
-        struct rnd_surface surface;
+        const struct rnd_surface *surface = &tracer->rich[j - begin];
+        const vec3s wo = glms_vec3_negate(rnd_from_v3(rnd_get(&tracer->paths[1].direction, j)));
         struct rnd_bsdf_sample sample;
-        rnd_surface_at(tracer->scene, &hit, direction, &surface);
-        float pdf;
-        const vec3s f =
-            lights->pdf[j] > 0.0f ? rnd_bsdf(&surface, wo, (vec3s){{l.x, l.y, l.z}}, &pdf) : glms_vec3_zero();
-        rnd_put(&to->brought, j,
-                rnd_v3_luminance(rnd_v3(f.x, f.y, f.z)) > 0.0f
-                    ? brought(tracer, j, rnd_v3(f.x, f.y, f.z), pdf)
-                    : rnd_v3(0, 0, 0));
+        struct rnd_v3 light = {0, 0, 0};
+        if (lights->pdf[j] > 0.0f) {
+            float pdf;
+            const vec3s f = rnd_bsdf(surface, wo, rnd_from_v3(rnd_get(&lights->direction, j)), &pdf);
+            if (glms_vec3_max(f) > 0.0f) light = brought(tracer, j, rnd_to_v3(f), pdf);
+        }
+        rnd_put(&to->brought, j, light);
         const float u[3] = {tracer->number[0][j], tracer->number[1][j], tracer->number[2][j]};
-        const bool on = rnd_bsdf_draw(&surface, wo, u, &sample);
         to->pdf[j] = -1.0f;
-        if (!on) continue;
-        rnd_put(&to->direction, j, rnd_v3(sample.wi.x, sample.wi.y, sample.wi.z));
-        rnd_put(&to->weight, j, rnd_v3(sample.weight.x, sample.weight.y, sample.weight.z));
+        if (!rnd_bsdf_draw(surface, wo, u, &sample)) continue;
+        rnd_put(&to->direction, j, rnd_to_v3(sample.wi));
+        rnd_put(&to->weight, j, rnd_to_v3(sample.weight));
         to->pdf[j] = sample.delta ? 0.0f : sample.pdf;
     }
 }

@@ -1,6 +1,7 @@
 /* From hits to surfaces: which mesh, which material, the normals, the textures. And the light that needs no
  * light to be chosen: the sky's where a ray hit nothing, and what a surface emits itself. */
 #include "path/ggx.h"
+#include "path/rich.h"
 #include "path/wave.h"
 
 #include <string.h>
@@ -187,8 +188,8 @@ static int level_of(const struct rnd_texture *texture, float lod, float width, f
     return (int)rnd_smaller(rnd_larger(level, 0.0f), last);
 }
 
-/* Look up a map for the point, by its own random neighbour of four; the texel is asked of memory now, and read
- * later. */
+/* Look up a map for the point, by its own random neighbour of four; the texel is asked of memory now, and
+ * read later. */
 static void ask(struct rnd_tracer *tracer, const struct rnd_map *map, uint32_t j, uint32_t *looks)
 {
     const struct rnd_paths *paths = &tracer->paths[1];
@@ -269,7 +270,7 @@ static void reflectances(struct rnd_tracer *tracer, uint32_t begin, uint32_t end
     for (uint32_t j = begin; j < end; j++) s->alpha[j] = rnd_alpha(s->alpha[j]);
 }
 
-/* Bend the normals by normal maps (glTF 2.0 section 3.9.3); one that would face away from the ray stays as it was. */
+/* Bend the normals by normal maps (glTF 2.0 section 3.9.3). */
 static void bend_normals(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
 {
     const struct rnd_scene *scene = tracer->scene;
@@ -301,9 +302,41 @@ static void bend_normals(struct rnd_tracer *tracer, uint32_t begin, uint32_t end
         const float square = rnd_v3_dot(bent, bent);
         if (!(square > 1e-12f)) continue;
         bent = rnd_v3_scale(bent, side / sqrtf(square));
-        if (rnd_v3_dot(bent, rnd_get(&tracer->paths[1].direction, j)) < 0.0f &&
-            rnd_v3_dot(bent, rnd_get(&s->geometric, j)) > 0.0f)
-            rnd_put(&s->normal, j, bent);
+        /* one that the ray sees from behind is bent until it is seen; one below the surface is not taken */
+        const struct rnd_v3 direction = rnd_get(&tracer->paths[1].direction, j),
+                            geometric = rnd_get(&s->geometric, j);
+        const float seen = 1e-2f, cosine = -rnd_v3_dot(bent, direction);
+        if (cosine < seen) bent = rnd_v3_normalize(rnd_v3_muladd(direction, cosine - seen, bent));
+        rnd_put(&s->normal, j, rnd_v3_dot(bent, geometric) > 0.0f ? bent : geometric);
+    }
+}
+
+/* --- rich materials --- */
+
+/* All of a point at once. What a volume absorbed on the way is taken from the path; what is unlit shines by
+ * itself. */
+static void rich_points(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
+{
+    const struct rnd_scene *scene = tracer->scene;
+    const struct rnd_surfaces *s = &tracer->surfaces;
+    struct rnd_paths *paths = &tracer->paths[1];
+    for (uint32_t j = begin; j < end; j++) {
+        const uint32_t i = tracer->order[j];
+        const vec3s direction = rnd_from_v3(rnd_get(&paths->direction, j));
+        struct rnd_hit hit = {.mesh = s->mesh[j],
+                              .triangle = s->triangle[j],
+                              .u = s->u[j],
+                              .v = s->v[j],
+                              .distance = s->distance[j],
+                              .normal = rnd_from_v3(rnd_get(&tracer->hits.normal, i))};
+        if (s->instance[j] != RTC_INVALID_GEOMETRY_ID)
+            hit.instance = &scene->instance[s->instance[j] - scene->mesh_count];
+        struct rnd_surface *surface = &tracer->rich[j - begin];
+        rnd_surface_at(scene, &hit, direction, surface);
+        const struct rnd_v3 left =
+            rnd_v3_mul(rnd_get(&paths->throughput, j), rnd_to_v3(rnd_transmittance(surface, hit.distance)));
+        rnd_put(&paths->throughput, j, left);
+        if (surface->material->unlit) add(tracer, paths->id[j], rnd_v3_mul(left, rnd_to_v3(surface->base)));
     }
 }
 
@@ -348,6 +381,7 @@ uint32_t ISA(rnd_surface)(struct rnd_tracer *tracer, uint32_t count)
     base_colours(tracer, 0, s->end[RND_METAL_ROUGH]);
     reflectances(tracer, s->end[RND_DIFFUSE], s->end[RND_METAL_ROUGH]);
     bend_normals(tracer, s->end[RND_DIFFUSE], s->end[RND_METAL_ROUGH]);
+    rich_points(tracer, s->end[RND_METAL_ROUGH], hit);
     return hit;
 }
 

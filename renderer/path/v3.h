@@ -49,11 +49,6 @@ RND_INLINE struct rnd_v3 rnd_v3_muladd(struct rnd_v3 a, float s, struct rnd_v3 b
     return rnd_v3(a.x * s + b.x, a.y * s + b.y, a.z * s + b.z);
 }
 
-RND_INLINE struct rnd_v3 rnd_v3_lerp(struct rnd_v3 a, struct rnd_v3 b, float t)
-{
-    return rnd_v3(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y), a.z + t * (b.z - a.z));
-}
-
 RND_INLINE float rnd_v3_dot(struct rnd_v3 a, struct rnd_v3 b)
 {
     return a.x * b.x + a.y * b.y + a.z * b.z;

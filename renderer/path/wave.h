@@ -6,6 +6,7 @@
 #ifndef FOVEAD_RENDERER_WAVE_H
 #define FOVEAD_RENDERER_WAVE_H
 
+#include "path/shade.h"
 #include "path/trace.h"
 #include "path/v3.h"
 
@@ -55,7 +56,7 @@ struct rnd_surfaces {
     uint32_t end[RND_RICH + 1]; /* where each kind's points end; it begins where the one before ended */
     rnd_words mesh, instance, record, material, triangle;
     rnd_floats distance, u, v;
-    rnd_floats footprint; /* width of the path's cone here, in the mesh's own metres */
+    rnd_floats footprint;                 /* width of the path's cone here, in the mesh's own metres */
     struct rnd_vectors normal, geometric; /* unit; both face where the ray came from */
     rnd_words front;                      /* hit from the outside: 0 or 1 */
     struct rnd_vectors base;
@@ -116,7 +117,8 @@ struct rnd_tracer {
     struct rnd_surfaces surfaces;
     struct rnd_light_choices lights;
     struct rnd_scatters scatters;
-    rnd_floats number[4]; /* random ones of the stage under way */
+    rnd_floats number[4];              /* random ones of the stage under way */
+    struct rnd_surface rich[RND_WAVE]; /* of the points whose material is rich, in their order */
     uint32_t shadows;
     struct rnd_shadow shadow[RND_WAVE];
     struct RTCRay shadow_ray[RND_WAVE];

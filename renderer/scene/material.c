@@ -42,6 +42,8 @@ void rnd_material_set_kind(struct rnd_material *m)
     for (int use = 0; use < RND_MAPS; use++) {
         const bool common = use == RND_MAP_BASE || use == RND_MAP_METAL_ROUGH || use == RND_MAP_NORMAL ||
                             use == RND_MAP_EMISSION || use == RND_MAP_COVERAGE;
+        /* a normal map that is turned would need its tangents turned */
+        if (use == RND_MAP_NORMAL && m->map[use].texture >= 0 && m->map[use].has_transform) rich = true;
         if (use != RND_MAP_COVERAGE && !is_plain(&m->map[use])) rich = true; /* coverage is the filters' */
         if (!common && m->map[use].texture >= 0) rich = true;
     }

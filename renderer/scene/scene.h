@@ -35,7 +35,8 @@ enum rnd_map_use {
     RND_MAP_CLEARCOAT_NORMAL,
     RND_MAP_SHEEN_COLOUR,    /* sRGB */
     RND_MAP_SHEEN_ROUGHNESS, /* alpha */
-    RND_MAP_COVERAGE, /* MTL's map_d: alpha if the image has one, else red; then the base's alpha is nothing */
+    RND_MAP_COVERAGE, /* MTL's map_d: alpha if the image has one, else red; then the base's alpha is nothing
+                       */
     RND_MAPS,
 };
 
@@ -121,8 +122,8 @@ bool rnd_import(struct rnd_scene *scene, const char *path, char out_error[RND_ER
 /* Add a name to the list of what is asked for and not done, once. */
 void rnd_scene_unsupported(struct rnd_scene *scene, const char *name);
 
-/* texture.c: index of the texture of this path (or of bytes in memory, named by path), which is read later and once.
- * -1 and a line in out_error if memory is short. */
+/* texture.c: index of the texture of this path (or of bytes in memory, named by path), which is read later
+ * and once. -1 and a line in out_error if memory is short. */
 int rnd_texture_add(struct rnd_scene *scene, const char *path, const void *memory, size_t count, bool srgb,
                     char out_error[RND_ERROR_SIZE]);
 /* Read all that were added, by so many threads. False and a line in out_error on failure. */
@@ -161,14 +162,6 @@ static inline vec3s rnd_instance_normal(const struct rnd_instance *instance, vec
                     m[2] * n.x + m[5] * n.y + m[8] * n.z}};
 }
 
-/* A normal in the world as the mesh's own coordinates have it, but for its length. */
-static inline vec3s rnd_instance_normal_back(const struct rnd_instance *instance, vec3s n)
-{
-    const float *m = instance->to_world;
-    return (vec3s){{m[0] * n.x + m[1] * n.y + m[2] * n.z, m[3] * n.x + m[4] * n.y + m[5] * n.z,
-                    m[6] * n.x + m[7] * n.y + m[8] * n.z}};
-}
-
 /* alpha.c: what the meshes whose material masks or blends need to be hit only where they are: one entry a
  * mesh, with a function for those that have holes. False when memory is short. */
 bool rnd_alpha_build(struct rnd_scene *scene);
@@ -188,8 +181,8 @@ static inline float rnd_interpolate(const float *attribute, int n, int c, const 
 }
 
 /* Where a map looks for barycentric (u, v) of a triangle. */
-static inline void rnd_map_uv(const struct rnd_map *map, const struct rnd_mesh *mesh, const uint32_t index[3], float u,
-                              float v, float out[2])
+static inline void rnd_map_uv(const struct rnd_map *map, const struct rnd_mesh *mesh, const uint32_t index[3],
+                              float u, float v, float out[2])
 {
     const float *uv = mesh->uv[map->uv_set];
     const float s = uv ? rnd_interpolate(uv, 2, 0, index, u, v) : 0.0f,

@@ -109,7 +109,7 @@ static void kinds(void **state)
          "\"index\":1}}}",
          RND_METAL_ROUGH},
         {"{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}",
-         RND_RICH}, /* it does not repeat */
+         RND_METAL_ROUGH},
         {"{\"normalTexture\":{\"index\":1,\"extensions\":{\"KHR_texture_transform\":{}}}}", RND_METAL_ROUGH},
         {"{\"normalTexture\":{\"index\":1,\"extensions\":{\"KHR_texture_transform\":{\"scale\":[2,1]}}}}",
          RND_RICH},

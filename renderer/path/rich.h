@@ -1,0 +1,27 @@
+/* RND_RICH: all that glTF's extensions lay over and put in place of metallic-roughness. */
+#ifndef FOVEAD_RENDERER_RICH_H
+#define FOVEAD_RENDERER_RICH_H
+
+#include "path/ggx.h"
+#include "path/shade.h"
+
+static inline struct rnd_v3 rnd_to_v3(vec3s a)
+{
+    return rnd_v3(a.x, a.y, a.z);
+}
+
+static inline vec3s rnd_from_v3(struct rnd_v3 a)
+{
+    return (vec3s){{a.x, a.y, a.z}};
+}
+
+/* glass_albedo.c: share of light that white rough glass returns and lets through in one bounce; eta is the
+ * index behind over the index in front, 0.43 to 2.33, else its nearest. */
+float rnd_glass_albedo(float cosine, float alpha, float eta);
+
+/* rnd_bsdf() and rnd_bsdf_draw() for RND_RICH. */
+vec3s rnd_rich_bsdf(const struct rnd_surface *surface, vec3s wo, vec3s wi, float *out_pdf);
+bool rnd_rich_draw(const struct rnd_surface *surface, vec3s wo, const float u[3],
+                   struct rnd_bsdf_sample *out);
+
+#endif

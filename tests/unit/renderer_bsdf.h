@@ -1,0 +1,153 @@
+/* Surfaces of every kind for tests of BSDFs, and whether their draws follow their density. */
+#ifndef FOVEAD_TESTS_RENDERER_BSDF_H
+#define FOVEAD_TESTS_RENDERER_BSDF_H
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <stdio.h>
+#include <string.h>
+
+#include "path/ggx.h"
+#include "path/shade.h"
+#include "statistics.h"
+
+#define LEAST_P 0.001
+
+static const double deg = M_PI / 180.0;
+
+struct case_of_bsdf {
+    const char *name;
+    enum rnd_material_kind kind;
+    float metallic, roughness, specular;
+    float transmission, ior; /* 0: 1.5 */
+    bool thin, back;         /* hit from the back */
+    float coat, coat_roughness, coat_tilt_deg;
+    float sheen, sheen_roughness;
+};
+
+/* A surface whose normal is oblique in the world, so that its frame is tried too. */
+static inline void make(const struct case_of_bsdf *from, float base, struct rnd_material *material,
+                        struct rnd_surface *out)
+{
+    const vec3s n = glms_vec3_normalize((vec3s){{0.3f, -0.5f, -0.8f}});
+    const float ior = from->ior > 0 ? from->ior : 1.5f, r = (ior - 1) / (ior + 1);
+    const float f0 = r * r * from->specular, tilt = from->coat_tilt_deg * (float)deg;
+    vec3s x, y;
+    rnd_frame(n, &x, &y);
+    *material = (struct rnd_material){.kind = from->kind,
+                                      .specular = from->specular,
+                                      .ior = ior,
+                                      .transmission = from->transmission,
+                                      .thin = from->thin};
+    *out = (struct rnd_surface){
+        .material = material,
+        .geometric = n,
+        .shading = n,
+        .front = !from->back,
+        .base = {{base, base, base}},
+        .metallic = from->metallic,
+        .alpha = rnd_alpha(from->roughness),
+        .layers = {.f0 = {{f0, f0, f0}},
+                   .specular = from->specular,
+                   .transmission = from->transmission,
+                   .coat = from->coat,
+                   .coat_alpha = rnd_alpha(from->coat_roughness),
+                   .coat_normal = glms_vec3_muladds(x, sinf(tilt), glms_vec3_scale(n, cosf(tilt))),
+                   .sheen = {{from->sheen, from->sheen, from->sheen}},
+                   .sheen_roughness = from->sheen_roughness}};
+}
+
+/* A direction by cosine to the surface's normal and azimuth around it. */
+static inline vec3s direction(const struct rnd_surface *s, double cosine, double azimuth)
+{
+    vec3s x, y;
+    rnd_frame(s->shading, &x, &y);
+    const double sine = sqrt(fmax(0.0, 1.0 - cosine * cosine));
+    vec3s d = glms_vec3_scale(s->shading, (float)cosine);
+    d = glms_vec3_muladds(x, (float)(sine * cos(azimuth)), d);
+    return glms_vec3_normalize(glms_vec3_muladds(y, (float)(sine * sin(azimuth)), d));
+}
+
+/* The sphere in cells, whose rows are even in the angle from the normal, so that narrow lobes have some. */
+enum { ROWS = 48, COLUMNS = 24, CELLS = ROWS * COLUMNS };
+
+static inline int cell_of(const struct rnd_surface *s, vec3s wi)
+{
+    vec3s x, y;
+    rnd_frame(s->shading, &x, &y);
+    const double theta = rnd_angle(wi, s->shading);
+    const double azimuth = atan2(glms_vec3_dot(wi, y), glms_vec3_dot(wi, x)) + M_PI;
+    const int row = (int)(theta / M_PI * ROWS), column = (int)(azimuth / (2.0 * M_PI) * COLUMNS);
+    return (row < ROWS ? row : ROWS - 1) * COLUMNS + column % COLUMNS;
+}
+
+/* Mass of the stated density in each cell, midpoint rule of up x around places; their sum is returned. */
+static inline double masses(const struct rnd_surface *s, vec3s wo, int up, int around, double mass[CELLS])
+{
+    const double step_t = M_PI / (ROWS * up), step_a = 2.0 * M_PI / (COLUMNS * around);
+    double sum = 0.0;
+    for (int cell = 0; cell < CELLS; cell++) {
+        mass[cell] = 0.0;
+        for (int k = 0; k < up * around; k++) {
+            const double theta = (cell / COLUMNS * up + k / around + 0.5) * step_t,
+                         azimuth = (cell % COLUMNS * around + k % around + 0.5) * step_a - M_PI;
+            float pdf;
+            rnd_bsdf(s, wo, direction(s, cos(theta), azimuth), &pdf);
+            mass[cell] += pdf * sin(theta) * step_t * step_a;
+        }
+        sum += mass[cell];
+    }
+    return sum;
+}
+
+static inline bool draw(const struct rnd_surface *s, vec3s wo, uint32_t stream, uint32_t i,
+                        struct rnd_bsdf_sample *out)
+{
+    const float u[3] = {stat_uniform(stream, 3 * i), stat_uniform(stream, 3 * i + 1),
+                        stat_uniform(stream, 3 * i + 2)};
+    return rnd_bsdf_draw(s, wo, u, out);
+}
+
+/* The density integrates to the share of draws that give a direction (a microfacet may send the rest where
+ * they cannot be), the draws follow it, and a draw's weight is BSDF over density. Returns the integral. */
+static inline double assert_draws_follow_density(const struct case_of_bsdf *c, double angle_deg, int up,
+                                                 int around, uint32_t stream)
+{
+    enum { DRAWS = 200000 };
+    static double mass[CELLS], count[CELLS];
+    struct rnd_material material;
+    struct rnd_surface s;
+    make(c, 0.7f, &material, &s);
+    const vec3s wo = direction(&s, cos(angle_deg * deg), 0.7);
+    const double sum = masses(&s, wo, up, around, mass);
+    int drawn = 0, deltas = 0;
+    memset(count, 0, sizeof count);
+    for (uint32_t i = 0; i < DRAWS; i++) {
+        struct rnd_bsdf_sample sample;
+        float pdf;
+        if (!draw(&s, wo, stream, i, &sample)) continue;
+        if (sample.delta) {
+            deltas++;
+            continue;
+        }
+        drawn++;
+        count[cell_of(&s, sample.wi)]++;
+        const vec3s f = rnd_bsdf(&s, wo, sample.wi, &pdf);
+        assert_float_equal(pdf, sample.pdf, 2e-3 * pdf + 1e-3);
+        assert_float_equal(f.x, sample.weight.x * sample.pdf, 2e-3 * f.x + 1e-3);
+    }
+    for (int i = 0; i < CELLS; i++) mass[i] *= drawn / sum;
+    const double p = stat_chi_square_p(count, mass, CELLS), share = (double)drawn / DRAWS;
+    print_message("%-22s %2.0f degrees: density %.4f, drawn %.4f, p %.3f\n", c->name, angle_deg, sum, share,
+                  p);
+    assert_true(p > LEAST_P);
+    assert_true(fabs(sum - share) < 0.004);
+    return sum + (double)deltas / DRAWS;
+}
+
+#endif

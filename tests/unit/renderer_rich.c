@@ -1,0 +1,263 @@
+/* Materials with all that glTF's extensions give them: draws and densities, what a white furnace returns,
+ * Fresnel, Snell, Beer and Lambert where they are known. */
+#include "renderer_bsdf.h"
+
+#include "path/rich.h"
+
+static const struct case_of_bsdf cases[] = {
+    {.name = "plain", .roughness = 0.5f, .specular = 1},
+    {.name = "coat", .roughness = 0.6f, .specular = 1, .coat = 1, .coat_roughness = 0.2f},
+    {.name = "half a coat, tilted",
+     .roughness = 0.4f,
+     .metallic = 1,
+     .specular = 1,
+     .coat = 0.5f,
+     .coat_roughness = 0.4f,
+     .coat_tilt_deg = 12},
+    {.name = "sheen", .roughness = 0.8f, .specular = 1, .sheen = 0.8f, .sheen_roughness = 0.4f},
+    {.name = "thin glass", .roughness = 0.4f, .specular = 1, .transmission = 1, .thin = true},
+    {.name = "glass", .roughness = 0.3f, .specular = 1, .transmission = 1},
+    {.name = "glass, from inside", .roughness = 0.4f, .specular = 1, .transmission = 1, .back = true},
+    {.name = "half glass", .roughness = 0.4f, .metallic = 0.2f, .specular = 0.7f, .transmission = 0.5f},
+    {.name = "half smooth glass",
+     .roughness = 0,
+     .specular = 0,
+     .transmission = 0.6f,
+     .sheen = 0.5f,
+     .sheen_roughness = 0.5f},
+    {.name = "all",
+     .roughness = 0.5f,
+     .metallic = 0.3f,
+     .specular = 1,
+     .transmission = 0.5f,
+     .thin = true,
+     .coat = 0.7f,
+     .coat_roughness = 0.3f,
+     .sheen = 0.3f,
+     .sheen_roughness = 0.6f},
+};
+enum { CASES = sizeof cases / sizeof *cases };
+
+static struct case_of_bsdf rich(struct case_of_bsdf c)
+{
+    c.kind = RND_RICH;
+    return c;
+}
+
+static void draws_follow_density(void **state)
+{
+    (void)state;
+    static const double angles[] = {0, 35, 70};
+    for (int k = 0; k < CASES; k++)
+        for (int a = 0; a < 3; a++) {
+            const struct case_of_bsdf c = rich(cases[k]);
+            assert_true(assert_draws_follow_density(&c, angles[a], 14, 14, (uint32_t)(3 * k + a)) > 0.85);
+        }
+}
+
+/* What comes out of a white surface in a white world; inside of a volume of index n radiance is n^2. */
+static double furnace(const struct case_of_bsdf *c, double angle_deg)
+{
+    struct rnd_material material;
+    struct rnd_surface s;
+    make(c, 1.0f, &material, &s);
+    const vec3s wo = direction(&s, cos(angle_deg * deg), 0.4);
+    const double eta = !rnd_has_volume(&s) ? 1.0 : c->back ? 1 / material.ior : material.ior;
+    const uint32_t side = 200;
+    double sum = 0.0;
+    for (uint32_t k = 0; k < side * side; k++) {
+        const float u[3] = {(k / side + 0.5f) / side, (k % side + 0.5f) / side,
+                            (float)(k * 0x9e3779b1u >> 8) * 0x1p-24f};
+        struct rnd_bsdf_sample sample;
+        if (!rnd_bsdf_draw(&s, wo, u, &sample)) continue;
+        sum += sample.weight.x * (glms_vec3_dot(sample.wi, s.geometric) < 0 ? eta * eta : 1.0);
+    }
+    return sum / (side * side);
+}
+
+/* Everything returns all light, within fits: off is the most that is lost, twice the most that is gained. */
+static void white_furnace(void **state)
+{
+    (void)state;
+    static const struct {
+        struct case_of_bsdf c;
+        double off;
+    } kinds[] = {
+        {{.name = "plain", .specular = 1}, 0.01},
+        {{.name = "metal", .specular = 1, .metallic = 1}, 0.01},
+        {{.name = "smooth coat", .specular = 1, .coat = 1}, 0.01},
+        {{.name = "rough coat", .specular = 1, .coat = 1, .coat_roughness = 0.5f}, 0.01},
+        {{.name = "coat over metal", .specular = 1, .metallic = 1, .coat = 1, .coat_roughness = 0.1f}, 0.01},
+        {{.name = "sheen", .specular = 1, .sheen = 1, .sheen_roughness = 0.3f}, 0.01},
+        {{.name = "rough sheen", .specular = 1, .sheen = 1, .sheen_roughness = 1}, 0.01},
+        {{.name = "thin glass", .specular = 1, .transmission = 1, .thin = true}, 0.01},
+        {{.name = "half thin glass", .specular = 1, .transmission = 0.5f, .thin = true}, 0.01},
+        {{.name = "glass", .specular = 1, .transmission = 1}, 0.02},
+        {{.name = "glass, from inside", .specular = 1, .transmission = 1, .back = true}, 0.03},
+        {{.name = "water", .specular = 1, .transmission = 1, .ior = 1.33f}, 0.03},
+        {{.name = "water, from inside", .specular = 1, .transmission = 1, .ior = 1.33f, .back = true}, 0.04},
+    };
+    static const float roughness[] = {0, 0.1f, 0.3f, 0.6f, 1};
+    static const double angles[] = {0, 30, 60, 80};
+    int wrong = 0;
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
+        for (int r = 0; r < 5; r++) {
+            struct case_of_bsdf c = rich(kinds[k].c);
+            c.roughness = roughness[r];
+            double out[4];
+            for (int a = 0; a < 4; a++) {
+                out[a] = furnace(&c, angles[a]);
+                wrong += out[a] < 1 - kinds[k].off || out[a] > 1 + 0.5 * kinds[k].off;
+            }
+            print_message("white furnace: %-20s roughness %.1f: %.4f %.4f %.4f %.4f\n", c.name, roughness[r],
+                          out[0], out[1], out[2], out[3]);
+        }
+    assert_int_equal(wrong, 0);
+}
+
+/* Light through rough glass and back: the same but for the square of the index and what is given back of the
+ * light that facets hide, which goes by where light is followed to. */
+static void glass_is_reciprocal(void **state)
+{
+    (void)state;
+    struct case_of_bsdf there =
+                            rich((struct case_of_bsdf){.roughness = 0.5f, .specular = 1, .transmission = 1}),
+                        back = there;
+    back.back = true;
+    int seen = 0;
+    for (uint32_t i = 0; i < 2000; i++) {
+        struct rnd_material material;
+        struct rnd_surface s, behind;
+        struct rnd_bsdf_sample sample;
+        float pdf;
+        make(&there, 0.8f, &material, &s);
+        make(&back, 0.8f, &material, &behind);
+        behind.geometric = behind.shading = behind.layers.coat_normal = glms_vec3_negate(s.shading);
+        const float ca = 0.05f + 0.95f * stat_uniform(7, i);
+        const vec3s a = direction(&s, ca, 6.28 * stat_uniform(8, i));
+        if (!draw(&s, a, 9, i, &sample) || glms_vec3_dot(sample.wi, s.shading) > 0) continue;
+        const float cb = -glms_vec3_dot(sample.wi, s.shading);
+        const double f = rnd_bsdf(&s, a, sample.wi, &pdf).x / cb * rnd_glass_albedo(ca, s.alpha, 1.5f),
+                     g = rnd_bsdf(&behind, sample.wi, a, &pdf).x / ca *
+                         rnd_glass_albedo(cb, s.alpha, 1 / 1.5f);
+        seen++;
+        assert_float_equal(2.25 * f, g, 5e-3 * g + 1e-6);
+    }
+    assert_true(seen > 1000);
+}
+
+/* Snell and Fresnel at smooth glass: known reflectances (at Brewster's angle only one half of the light is
+ * reflected at all), directions, and total reflection from 41.8103 degrees on. */
+static void smooth_glass(void **state)
+{
+    (void)state;
+    static const struct {
+        double angle, reflectance;
+        bool back;
+    } known[] = {{0, 0.04, false},
+                 {0, 0.04, true},
+                 {56.3099325, 0.0739645, false},
+                 {33.6900675, 0.0739645, true},
+                 {41.82, 1, true},
+                 {45, 1, true},
+                 {80, 0.3877, false}};
+    for (size_t k = 0; k < sizeof known / sizeof *known; k++) {
+        const struct case_of_bsdf glass =
+            rich((struct case_of_bsdf){.specular = 1, .transmission = 1, .back = known[k].back});
+        struct rnd_material material;
+        struct rnd_surface s;
+        float pdf;
+        make(&glass, 1.0f, &material, &s);
+        const vec3s wo = direction(&s, cos(known[k].angle * deg), 0.3);
+        assert_true(rnd_bsdf(&s, wo, direction(&s, cos(known[k].angle * deg), 0.3 + M_PI), &pdf).x == 0.0f &&
+                    pdf == 0.0f);
+        const double eta = known[k].back ? 1 / 1.5 : 1.5;
+        int reflected = 0;
+        const int n = 20000;
+        for (int i = 0; i < n; i++) {
+            const float u[3] = {0.5f, 0.5f, (float)((i + 0.5) / n)};
+            struct rnd_bsdf_sample sample;
+            assert_true(rnd_bsdf_draw(&s, wo, u, &sample));
+            assert_true(sample.delta);
+            const double c = glms_vec3_dot(sample.wi, s.shading), sine = sqrt(fmax(0, 1 - c * c));
+            reflected += c > 0;
+            assert_float_equal(glms_vec3_norm(sample.wi), 1, 1e-5);
+            assert_float_equal(sine, sin(known[k].angle * deg) / (c > 0 ? 1 : eta), 1e-3);
+            assert_float_equal(sample.weight.x, c > 0 ? 1 : 1 / (eta * eta), 1e-5);
+        }
+        assert_float_equal((double)reflected / n, known[k].reflectance, 2e-4);
+    }
+    /* thin glass does not bend */
+    const struct case_of_bsdf thin =
+        rich((struct case_of_bsdf){.specular = 1, .transmission = 1, .thin = true});
+    struct rnd_material material;
+    struct rnd_surface s;
+    struct rnd_bsdf_sample sample;
+    make(&thin, 0.5f, &material, &s);
+    const vec3s wo = direction(&s, 0.6, 0.3);
+    assert_true(rnd_bsdf_draw(&s, wo, (float[]){0.5f, 0.5f, 0.9f}, &sample));
+    assert_true(sample.delta && glms_vec3_dot(sample.wi, wo) < -1 + 1e-6);
+}
+
+/* A slab of thickness d that absorbs: of light that falls on it straight,
+ * (1 - R)^2 e^(-s d) / (1 - R^2 e^(-2 s d)) passes, and R + that of an odd way more returns. */
+static void absorbing_slab(void **state)
+{
+    (void)state;
+    const struct case_of_bsdf glass = rich((struct case_of_bsdf){.specular = 1, .transmission = 1});
+    const double sigma = 3, d = 0.2, r = 0.04, left = exp(-sigma * d);
+    const double expected = (1 - r) * (1 - r) * left / (1 - r * r * left * left);
+    double passed = 0.0;
+    const uint32_t n = 200000;
+    for (uint32_t i = 0; i < n; i++) {
+        struct rnd_material material;
+        struct rnd_surface s;
+        struct rnd_bsdf_sample sample;
+        make(&glass, 1, &material, &s);
+        material.absorption = (vec3s){{(float)sigma, 0, 0}};
+        const vec3s out = s.geometric;
+        vec3s wo = out;
+        double weight = 1.0;
+        for (uint32_t hit = 0;; hit++) {
+            s.geometric = s.shading = wo;
+            s.front = hit == 0;
+            const vec3s t = rnd_transmittance(&s, (float)d);
+            weight *= t.x;
+            assert_true(t.y == 1.0f);
+            assert_true(hit < 60 && draw(&s, wo, hit, i, &sample));
+            weight *= sample.weight.x;
+            const bool through = glms_vec3_dot(sample.wi, wo) < 0;
+            if (through == (hit > 0)) { /* outside again */
+                if (glms_vec3_dot(sample.wi, out) < 0) passed += weight / n;
+                break;
+            }
+            wo = glms_vec3_negate(sample.wi);
+        }
+    }
+    print_message("absorbing slab: %.4f of %.4f passes\n", passed, expected);
+    assert_float_equal(passed, expected, 0.002);
+}
+
+static void unlit(void **state)
+{
+    (void)state;
+    const struct case_of_bsdf plain = rich((struct case_of_bsdf){.specular = 1, .roughness = 1});
+    struct rnd_material material;
+    struct rnd_surface s;
+    struct rnd_bsdf_sample sample;
+    float pdf;
+    make(&plain, 1, &material, &s);
+    material.unlit = true;
+    assert_false(draw(&s, direction(&s, 0.5, 0), 1, 1, &sample));
+    assert_true(rnd_bsdf(&s, direction(&s, 0.5, 0), direction(&s, 0.5, 3), &pdf).x == 0 && pdf == 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(draws_follow_density), cmocka_unit_test(white_furnace),
+        cmocka_unit_test(glass_is_reciprocal),  cmocka_unit_test(smooth_glass),
+        cmocka_unit_test(absorbing_slab),       cmocka_unit_test(unlit),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
