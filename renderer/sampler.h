@@ -55,16 +55,27 @@ RND_INLINE uint32_t rnd_pascal(uint32_t x)
 /* 32 random bits to [0,1). */
 RND_INLINE float rnd_unit(uint32_t x)
 {
-    return (float)(x >> 8) * 0x1p-24f;
+    return (float)(int32_t)(x >> 8) * 0x1p-24f; /* signed: vectors have no other conversion */
 }
 
+struct rnd_two {
+    float u, v;
+};
+
 /* The point of this index in the sequence of this seed and dimension; both coordinates in [0,1). */
-RND_INLINE void rnd_pair(uint32_t seed, uint32_t dimension, uint32_t index, float out[2])
+RND_INLINE struct rnd_two rnd_two(uint32_t seed, uint32_t dimension, uint32_t index)
 {
     const uint32_t s = rnd_hash2(seed, dimension);
     const uint32_t i = rnd_reverse(rnd_permute(rnd_reverse(index), s));
-    out[0] = rnd_unit(rnd_reverse(rnd_permute(i, s * 0x9e3779b1u + 1u)));
-    out[1] = rnd_unit(rnd_reverse(rnd_permute(rnd_pascal(i), s * 0x85ebca6bu + 2u)));
+    return (struct rnd_two){rnd_unit(rnd_reverse(rnd_permute(i, s * 0x9e3779b1u + 1u))),
+                            rnd_unit(rnd_reverse(rnd_permute(rnd_pascal(i), s * 0x85ebca6bu + 2u)))};
+}
+
+RND_INLINE void rnd_pair(uint32_t seed, uint32_t dimension, uint32_t index, float out[2])
+{
+    const struct rnd_two two = rnd_two(seed, dimension, index);
+    out[0] = two.u;
+    out[1] = two.v;
 }
 
 #endif

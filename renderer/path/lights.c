@@ -2,25 +2,6 @@
  * found worth while, and within a group by power. */
 #include "path/wave.h"
 
-/* Numbers in [0,1) of every point for the choice of light; the first one is for the group. */
-static void draw_numbers(struct rnd_tracer *tracer, uint32_t count)
-{
-    const struct rnd_paths *paths = &tracer->paths[1];
-    const uint32_t light = rnd_dimension(tracer, RND_DIM_LIGHT),
-                   place = rnd_dimension(tracer, RND_DIM_LIGHT_PLACE);
-    float(*u)[RND_WAVE] = tracer->number;
-#pragma omp simd
-    for (uint32_t j = 0; j < count; j++) {
-        float a[2], b[2];
-        rnd_pair(paths->seed[j], light, paths->index[j], a);
-        rnd_pair(paths->seed[j], place, paths->index[j], b);
-        u[0][j] = a[0];
-        u[1][j] = a[1];
-        u[2][j] = b[0];
-        u[3][j] = b[1];
-    }
-}
-
 /* Sort the points into the groups' lists; what is left of the first number chooses again within the group. */
 static void choose_groups(struct rnd_tracer *tracer, uint32_t count, uint32_t number[RND_LIGHT_GROUPS])
 {
@@ -123,7 +104,8 @@ static void choose_near(struct rnd_tracer *tracer, int group, const uint32_t *li
 void ISA(rnd_choose_lights)(struct rnd_tracer *tracer, uint32_t count)
 {
     uint32_t number[RND_LIGHT_GROUPS];
-    draw_numbers(tracer, count);
+    rnd_draw_numbers(tracer, RND_DIM_LIGHT, 0, count, tracer->number[0], tracer->number[1]);
+    rnd_draw_numbers(tracer, RND_DIM_LIGHT_PLACE, 0, count, tracer->number[2], tracer->number[3]);
     choose_groups(tracer, count, number);
     if (number[RND_LIGHT_AREA])
         choose_near(tracer, RND_LIGHT_AREA, tracer->list[RND_LIGHT_AREA], number[RND_LIGHT_AREA]);

@@ -131,29 +131,6 @@ static void rich(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
 
 /* --- stages --- */
 
-static void draw_numbers(struct rnd_tracer *tracer, uint32_t count)
-{
-    const struct rnd_paths *paths = &tracer->paths[1];
-    const uint32_t direction = rnd_dimension(tracer, RND_DIM_DIRECTION),
-                   lobe = rnd_dimension(tracer, RND_DIM_LOBE);
-    const uint32_t from = tracer->depth >= SURE_BOUNCES ? 0 : tracer->surfaces.end[RND_DIFFUSE];
-    float(*u)[RND_WAVE] = tracer->number;
-#pragma omp simd
-    for (uint32_t j = 0; j < count; j++) {
-        float a[2];
-        rnd_pair(paths->seed[j], direction, paths->index[j], a);
-        u[0][j] = a[0];
-        u[1][j] = a[1];
-    }
-#pragma omp simd
-    for (uint32_t j = from; j < count; j++) { /* of matt surfaces only roulette asks for it */
-        float a[2];
-        rnd_pair(paths->seed[j], lobe, paths->index[j], a);
-        u[2][j] = a[0];
-        u[3][j] = a[1];
-    }
-}
-
 /* How far off a surface rays begin: beyond what rounding may have moved the point into it, by its coordinates
  * and by the length of the ray that found it. */
 RND_INLINE float offset_of(struct rnd_v3 p, float distance)
@@ -246,7 +223,10 @@ static uint32_t go_on(struct rnd_tracer *tracer, uint32_t count)
 uint32_t ISA(rnd_scatter)(struct rnd_tracer *tracer, uint32_t count)
 {
     const uint32_t *end = tracer->surfaces.end;
-    draw_numbers(tracer, count);
+    /* of matt surfaces only roulette asks for the second pair */
+    const uint32_t lobes = tracer->depth >= SURE_BOUNCES ? 0 : end[RND_DIFFUSE];
+    rnd_draw_numbers(tracer, RND_DIM_DIRECTION, 0, count, tracer->number[0], tracer->number[1]);
+    rnd_draw_numbers(tracer, RND_DIM_LOBE, lobes, count, tracer->number[2], tracer->number[3]);
     light_matt(tracer, 0, end[RND_DIFFUSE]);
     draw_matt(tracer, 0, end[RND_DIFFUSE]);
     if (end[RND_METAL_ROUGH] > end[RND_DIFFUSE]) {

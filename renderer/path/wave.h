@@ -148,6 +148,20 @@ RND_INLINE uint32_t rnd_dimension(const struct rnd_tracer *tracer, uint32_t whic
     return RND_DIMENSION_PATH + RND_DIM_COUNT * (uint32_t)tracer->depth + which;
 }
 
+/* The numbers of that dimension for points first to end of paths 1. */
+RND_INLINE void rnd_draw_numbers(struct rnd_tracer *tracer, uint32_t which, uint32_t first, uint32_t end,
+                                 float *restrict u, float *restrict v)
+{
+    const struct rnd_paths *paths = &tracer->paths[1];
+    const uint32_t dimension = rnd_dimension(tracer, which);
+#pragma omp simd
+    for (uint32_t j = first; j < end; j++) {
+        const struct rnd_two two = rnd_two(paths->seed[j], dimension, paths->index[j]);
+        u[j] = two.u;
+        v[j] = two.v;
+    }
+}
+
 /* Two further numbers for what needs no good distribution: which texel of four. */
 RND_INLINE void rnd_dither(uint32_t seed, uint32_t index, uint32_t which, float *out_r, float *out_s)
 {
