@@ -141,7 +141,7 @@ static void watch_within(const struct dmn_edits *edits)
     while (folder && count < MOST_FOLDERS && (entry = readdir(folder))) {
         char path[4096 + NAME_SIZE];
 
-        if (entry->d_name[0] == '.' || (entry->d_type != DT_DIR && entry->d_type != DT_LNK)) continue;
+        if (entry->d_name[0] == '.' || entry->d_type == DT_REG) continue;
         snprintf(path, sizeof(path), "%s/%s", edits->folder, entry->d_name);
         count += inotify_add_watch(edits->inotify, path, EVENTS) >= 0;
     }

@@ -2,7 +2,8 @@
  *
  * A change of the scene's own file counts, of its environment map, and of any file in the scene's folder or
  * the folders in that whose name is written in the scene's file (or in a .mtl beside it): buffers, textures.
- * Files that are replaced by renaming count as those that are written. */
+ * Files that are replaced by renaming count as those that are written. The scene is read beside the one in use,
+ * so meanwhile there is memory for two. */
 #ifndef FOVEAD_DAEMON_EDITS_H
 #define FOVEAD_DAEMON_EDITS_H
 

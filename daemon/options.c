@@ -75,10 +75,8 @@ static const char HELP_REST[] =
     "converged:\n"
     "                          every tile is (needs --mode od); end: the gaze recording has ended. Without "
     "it\n"
-    "                          fovead runs until SIGINT or SIGTERM. A picture that begins anew, for a move "
-    "or "
-    "an\n"
-    "                          edit, is counted anew\n"
+    "                          fovead runs until SIGINT or SIGTERM. A picture that begins anew, for a move\n"
+    "                          or an edit, is counted anew\n"
     "  --save FILE.exr         at the end write colour, sample count and error channels\n"
     "  --json                  the summary as one JSON object, alone on stdout; all else goes to stderr\n"
     "  --clock real|virtual    virtual: recorded time passes by 5 ms a batch of 4096 paths, however long "
@@ -142,7 +140,6 @@ static bool take_sun(struct parser *p, const char *text)
 static bool take_eye(struct parser *p, const char *text)
 {
     double n[3];
-
     bool good = dmn_parse_numbers(text, 3, n);
 
     for (int i = 0; good && i < 3; i++) p->out->scene.eye[i] = (float)n[i];
@@ -205,34 +202,20 @@ static bool take_whole(const char *name, const char *text, uint64_t low, uint64_
 }
 
 static const struct option LONG[] = {
-    {"scene", required_argument, NULL, 's'},
-    {"env", required_argument, NULL, 'e'},
-    {"sun", required_argument, NULL, 'u'},
-    {"eye", required_argument, NULL, 'y'},
-    {"watch", no_argument, NULL, 'w'},
-    {"size", required_argument, NULL, 'z'},
-    {"bounces", required_argument, NULL, 'b'},
-    {"seed", required_argument, NULL, 'd'},
-    {"threads", required_argument, NULL, 't'},
-    {"gaze", required_argument, NULL, 'g'},
-    {"list-trackers", no_argument, NULL, 'L'},
-    {"screen", required_argument, NULL, 'S'},
-    {"calibration", required_argument, NULL, 'C'},
-    {"raw-gaze", no_argument, NULL, 'W'},
-    {"predict", no_argument, NULL, 'P'},
-    {"record", required_argument, NULL, 'R'},
-    {"replace", no_argument, NULL, 'r'},
-    {"speed", required_argument, NULL, 'p'},
-    {"loop", no_argument, NULL, 'o'},
-    {"mode", required_argument, NULL, 'm'},
-    {"fov", required_argument, NULL, 'f'},
-    {"listen", required_argument, NULL, 'l'},
-    {"until", required_argument, NULL, 'n'},
-    {"save", required_argument, NULL, 'a'},
-    {"json", no_argument, NULL, 'j'},
-    {"clock", required_argument, NULL, 'c'},
-    {"help", no_argument, NULL, 'h'},
-    {"version", no_argument, NULL, 'v'},
+    {"scene", required_argument, NULL, 's'},  {"env", required_argument, NULL, 'e'},
+    {"sun", required_argument, NULL, 'u'},    {"eye", required_argument, NULL, 'y'},
+    {"size", required_argument, NULL, 'z'},   {"bounces", required_argument, NULL, 'b'},
+    {"seed", required_argument, NULL, 'd'},   {"threads", required_argument, NULL, 't'},
+    {"gaze", required_argument, NULL, 'g'},   {"list-trackers", no_argument, NULL, 'L'},
+    {"screen", required_argument, NULL, 'S'}, {"calibration", required_argument, NULL, 'C'},
+    {"raw-gaze", no_argument, NULL, 'W'},     {"predict", no_argument, NULL, 'P'},
+    {"record", required_argument, NULL, 'R'}, {"replace", no_argument, NULL, 'r'},
+    {"speed", required_argument, NULL, 'p'},  {"loop", no_argument, NULL, 'o'},
+    {"mode", required_argument, NULL, 'm'},   {"fov", required_argument, NULL, 'f'},
+    {"listen", required_argument, NULL, 'l'}, {"until", required_argument, NULL, 'n'},
+    {"save", required_argument, NULL, 'a'},   {"json", no_argument, NULL, 'j'},
+    {"clock", required_argument, NULL, 'c'},  {"help", no_argument, NULL, 'h'},
+    {"version", no_argument, NULL, 'v'},      {"watch", no_argument, NULL, 'w'},
     {0},
 };
 

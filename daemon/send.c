@@ -114,9 +114,11 @@ static uint8_t *stats(struct dmn_session *session, size_t *out_count)
     stats.samples_per_second = work.paths_per_second;
     stats.rays = work.rays;
     stats.tiles = (uint32_t)(common->pyramid.level[0].columns * common->pyramid.level[0].rows);
-    stats.tiles_visited = common->visited;
-    stats.tiles_converged = common->converged;
-    stats.tiles_settled = common->settled;
+    if (common->generation == work.generation) { /* else none that has been looked at */
+        stats.tiles_visited = common->visited;
+        stats.tiles_converged = common->converged;
+        stats.tiles_settled = common->settled;
+    }
     stats.gaze_samples = state.samples;
     stats.gaze_valid = state.valid;
     stats.batch_ms = work.batch_seconds * 1e3;

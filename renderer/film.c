@@ -202,7 +202,7 @@ bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *
     const int span =
         1 << level; /* level-0 tiles a side; from level 7 on, each is less than a pixel of the sums */
     struct sums sums = {0};
-    struct rnd_tile state;
+    struct rnd_tile state = {0};
     bool mixed = false; /* part of it was emptied meanwhile */
     for (int i = 0; i < span * span; i++) {
         const int dx = i % span, dy = i / span;

@@ -71,12 +71,16 @@ shows() {
     until grep -q "$1" keys.txt || [ $((tries += 1)) -gt 200 ]; do sleep 0.1; done
 }
 : >keys.txt
-(shows 'f freeze'; printf f; shows 'f unfreeze'; printf c; shows 'recentre: gaze is\|gaze is turned by'; printf q) |
+(shows 'f freeze'; printf f; shows 'f unfreeze'; printf c; shows 'recentre: gaze is\|gaze is turned by'
+    printf 'w\033[C'; sleep 1; printf q) |
     script -qec "sh -c 'stty -g >before; timeout --foreground 90 \"$foveactl\" watch; stty -g >after'" /dev/null >>keys.txt
 cmp before after
-grep -q 'f freeze, c recentre, q quit' keys.txt && grep -q 'f unfreeze' keys.txt || fail "keys: $(tail -n 20 keys.txt)"
+grep -q 'f freeze, c recentre, .* q quit' keys.txt && grep -q 'f unfreeze' keys.txt || fail "keys: $(tail -n 20 keys.txt)"
 grep -q 'recentre: gaze is\|gaze is turned by' keys.txt || fail "no answer to c: $(tail -n 20 keys.txt)"
 "$foveactl" stats --json | grep -q '"frozen": true' || fail "f does not freeze"
+# A step ahead and one to the right are square to each other.
+"$foveactl" stats --json | grep -A 3 '"eye"' | tr -d '", ' | awk '{s += $1 * $1} END {exit !(s > 0.12 && s < 0.13)}' ||
+    fail "w and the arrow do not move the eye: $("$foveactl" stats)"
 stop
 [ "$(wc -l <daemon.err)" = 0 ] || fail "the daemon complains: $(cat daemon.err)"
 

@@ -17,12 +17,12 @@ generation() {
 # await_generation NUMBER: it comes, and no later one.
 await_generation() {
     tries=0
-    until [ "$(generation)" -ge "$1" ]; do
+    until now=$(generation) && [ "$now" -ge "$1" ]; do
         tries=$((tries + 1))
         [ "$tries" -lt 300 ] || fail "generation $1 does not come: $(cat stats.json)"
         sleep 0.1
     done
-    [ "$(generation)" = "$1" ] || fail "generation $(generation), where $1 was to come"
+    [ "$now" = "$1" ] || fail "generation $now, where $1 was to come"
 }
 
 # developed FILE: save the picture once it has paths enough to be told from another.

@@ -237,7 +237,7 @@ static void script_out_of_place(struct server *server)
     Fovea__Ping ping = FOVEA__PING__INIT;
     Fovea__Stats stats = FOVEA__STATS__INIT;
     Fovea__Done done = FOVEA__DONE__INIT;
-    float numbers[] = {0, 0, -1, 0};
+    float numbers[] = {0, 0, -1, 0}, eye[] = {0, 1.6f, 0, 0};
     server_until(server, FOVEA__MESSAGE__BODY_HELLO);
     server_welcome(server);
     gaze.direction = gaze.head = gaze.aim = numbers;
@@ -269,12 +269,12 @@ static void script_out_of_place(struct server *server)
         gaze.n_aim = 2;
         break;
     }
-    stats.eye = done.eye = numbers;
+    stats.eye = done.eye = eye;
     stats.n_eye = done.n_eye = 3;
     stats.scene = stats.refused = "a\nb";
     server_send(server, FOVEA__MESSAGE__BODY_STATS, &stats); /* these are good, but for what cleaning mends */
     server_send(server, FOVEA__MESSAGE__BODY_DONE, &done);
-    if (server->variant == 8) numbers[2] = INFINITY;
+    if (server->variant == 8) eye[2] = INFINITY;
     if (server->variant == 9) stats.n_eye = 2;
     if (server->variant == 10) done.n_eye = 4;
     if (server->variant >= 8) server_send(server, FOVEA__MESSAGE__BODY_STATS, &stats);

@@ -50,7 +50,7 @@ static void assert_same(const struct all *one, const struct all *other)
 static void fresh(const struct rnd_scene *scene, struct all *all)
 {
     struct rnd_render *render = make(scene, WIDTH, "fv", 2);
-    look_around(render, 5, 20000);
+    look_around(render, 5, 6000);
     read_all(render, all);
     rnd_render_destroy(render);
 }
@@ -67,25 +67,25 @@ static void as_fresh(void **state)
     fresh(scene, &other);
     assert_memory_not_equal(&first.film, &other.film, sizeof first.film);
 
-    look_around(render, 9, 7000); /* what was before must not matter */
+    look_around(render, 9, 2000); /* what was before must not matter */
     rnd_render_restart(render, room, rnd_scene_info(room)->eye);
-    look_around(render, 5, 20000);
+    look_around(render, 5, 6000);
     read_all(render, &again);
     assert_same(&first, &again);
 
     rnd_render_restart(render, scene, near_the_wall); /* another scene, seen from elsewhere */
-    look_around(render, 5, 20000);
+    look_around(render, 5, 6000);
     read_all(render, &again);
     assert_same(&other, &again);
 
     rnd_render_restart(render, room, near_the_wall); /* the same scene, seen from elsewhere */
     rnd_scene_destroy(scene);                        /* which nothing uses any more */
-    look_around(render, 5, 20000);
+    look_around(render, 5, 6000);
     read_all(render, &before);
     assert_memory_not_equal(&before.film, &first.film, sizeof first.film);
     look_around(render, 3, 1000);
     rnd_render_restart(render, room, near_the_wall);
-    look_around(render, 5, 20000);
+    look_around(render, 5, 6000);
     read_all(render, &again);
     assert_same(&before, &again);
     rnd_render_destroy(render);
@@ -114,7 +114,7 @@ static void empty(void **state)
             assert_false(rnd_render_read(render, level, 0, 0, rgb, &tile));
             assert_int_equal(tile.generation, generation);
         }
-        look_around(render, 4, 30000);
+        look_around(render, 4, 8000);
         assert_true(rnd_render_read(render, 2, 0, 0, rgb, &tile));
         assert_int_equal(tile.generation, generation);
         rnd_render_restart(render, room, rnd_scene_info(room)->eye);
@@ -184,9 +184,9 @@ static void readers(void **state)
     struct rnd_batch batch;
     pthread_t thread;
     assert_int_equal(pthread_create(&thread, NULL, read_on, &reader), 0);
-    for (uint32_t i = 1; i <= 200; i++) {
+    for (uint32_t i = 1; i <= 60; i++) {
         rnd_render_outline(render, &aim, i, &batch);
-        for (int k = 0; k < 4; k++) rnd_render_batch(render, &aim, i, 2000, &batch);
+        for (int k = 0; k < 3; k++) rnd_render_batch(render, &aim, i, 1000, &batch);
         rnd_render_restart(render, world[i % 2], eye);
     }
     atomic_store(&reader.quit, true);
