@@ -8,6 +8,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include <cglm/cglm.h>
+
 #include "gaze.h"
 #include "state.h"
 
@@ -17,12 +19,16 @@ enum { KEPT = 256 };
 /* How long one wait for a sample lasts, so that silence is noticed, and stopping never hangs on it. */
 static const uint64_t PATIENCE_NS = 50000000;
 
+/* Beyond a degree from where it is aimed, a batch is not worth its end. */
+static const float STALE_COSINE = 0.99985f;
+
 struct dmn_gaze {
     struct trk_source *source; /* read by one thread; trk_push() and trk_interrupt() by any */
     bool is_auto, virtual_clock;
     pthread_t thread;
     bool started;
     atomic_bool stop;
+    atomic_bool stale; /* the gaze is elsewhere than what the painter's batch is aimed by */
     void (*wake)(void *context);
     void *context;
 
@@ -31,6 +37,7 @@ struct dmn_gaze {
     struct trk_gaze decision; /* the last */
     uint64_t decided_ns;      /* when that was */
     struct rnd_aim aim;
+    float taken[3];    /* the gaze that the painter's batch is aimed by */
     float measured[3]; /* the last valid direction */
     bool frozen, ended, has_view;
     float view[4], view_fov[2];
@@ -179,6 +186,8 @@ static bool decide(struct dmn_gaze *gaze, const struct trk_sample *sample_or_nul
     if (now->moved) {
         memcpy(gaze->aim.gaze, now->direction, sizeof(gaze->aim.gaze));
         gaze->aim.spread = now->spread;
+        if (!gaze->virtual_clock && glm_vec3_dot(gaze->aim.gaze, gaze->taken) < STALE_COSINE)
+            atomic_store_explicit(&gaze->stale, true, memory_order_relaxed);
     }
     /* A sample that leaves the aim where it is has aimed all the same; while it is frozen, none does. */
     if (now->moved || (sample_or_null && !gaze->frozen)) {
@@ -293,6 +302,9 @@ void dmn_gaze_aim(struct dmn_gaze *gaze, struct rnd_aim *out_aim)
 {
     pthread_mutex_lock(&gaze->lock);
     *out_aim = gaze->aim;
+    out_aim->stale = &gaze->stale;
+    memcpy(gaze->taken, gaze->aim.gaze, sizeof(gaze->taken));
+    atomic_store_explicit(&gaze->stale, false, memory_order_relaxed);
     if (gaze->has_view) {
         memcpy(out_aim->view, gaze->view, sizeof(out_aim->view));
         memcpy(out_aim->fov, gaze->view_fov, sizeof(out_aim->fov));

@@ -41,7 +41,8 @@ void dmn_gaze_stop(struct dmn_gaze *gaze);
 /* The virtual clock: take every sample up to now_ns. */
 void dmn_gaze_advance(struct dmn_gaze *gaze, uint64_t now_ns);
 
-/* The aim's sequence and time are those of the newest sample that it answers. */
+/* The painter's aim: its sequence and time are those of the newest sample that it answers, and it goes stale when the gaze
+ * leaves it. Valid as long as the gaze. */
 void dmn_gaze_aim(struct dmn_gaze *gaze, struct rnd_aim *out_aim);
 void dmn_gaze_state(struct dmn_gaze *gaze, struct dmn_gaze_state *out_state);
 

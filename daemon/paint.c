@@ -117,8 +117,9 @@ static uint32_t next_paths(const struct dmn_painter *painter, uint32_t paths, co
 
     if (options->virtual_clock)
         paths = VIRTUAL_PATHS;
-    else if (last->seconds > 0) {
-        double change = options->batch_seconds / last->seconds;
+    else if (last->seconds > 0 && last->paths > 0) {
+        /* one that was cut short tells by what it did */
+        double change = options->batch_seconds / last->seconds * (double)last->paths / paths;
 
         /* Half of the way, at most doubled: one slow batch, for whatever reason, must not set the pace. */
         change = change > 2 ? 2 : change < 0.5 ? 0.5 : change;

@@ -129,7 +129,11 @@ static uint32_t divisor(uint32_t a, uint32_t b)
 static void cut(struct work *work)
 {
     struct rnd_render *render = work->render;
-    work->wave = RND_WAVE;
+    /* Small batches have small waves, and a number of them that few threads or many can share. */
+    const uint32_t most = work->paths < 32 * RND_WAVE ? RND_WAVE / 2 : RND_WAVE;
+    work->waves = (work->paths + most - 1) / most;
+    if (work->waves > 2) work->waves = (work->waves + 3) / 4 * 4;
+    work->wave = (work->paths + work->waves - 1) / work->waves;
     work->waves = (work->paths + work->wave - 1) / work->wave;
     /* About the golden section of them apart, and all of them. */
     work->step = (uint32_t)(0.618 * work->waves) | 1u;

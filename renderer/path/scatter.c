@@ -17,7 +17,7 @@ enum { SURE_BOUNCES = 3 };
 
 /* What a chosen light brings if it is not hidden, from what of it the surface scatters (times cosine), and
  * the density with which the surface would have drawn its direction; 0 if that is nothing. */
-RND_INLINE struct rnd_v3 brought(const struct rnd_tracer *tracer, uint32_t j, struct rnd_v3 f, float pdf)
+RND_INLINE struct rnd_v3 brought(const struct rnd_tracer *tracer, size_t j, struct rnd_v3 f, float pdf)
 {
     const struct rnd_light_choices *lights = &tracer->lights;
     const float chosen = lights->pdf[j], safe = rnd_larger(chosen, 1e-37f);
@@ -32,8 +32,8 @@ static void light_matt(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
 {
     const struct rnd_surfaces *s = &tracer->surfaces;
     struct rnd_scatters *to = &tracer->scatters;
-#pragma omp simd
-    for (uint32_t j = begin; j < end; j++) {
+#pragma GCC ivdep
+    for (size_t j = begin; j < end; j++) {
         const struct rnd_v3 wi = rnd_get(&tracer->lights.direction, j);
         const float cosine = rnd_v3_dot(wi, rnd_get(&s->normal, j)),
                     above = rnd_v3_dot(wi, rnd_get(&s->geometric, j));
@@ -46,8 +46,8 @@ static void light_metal_rough(struct rnd_tracer *tracer, uint32_t begin, uint32_
 {
     const struct rnd_surfaces *s = &tracer->surfaces;
     struct rnd_scatters *to = &tracer->scatters;
-#pragma omp simd
-    for (uint32_t j = begin; j < end; j++) {
+#pragma GCC ivdep
+    for (size_t j = begin; j < end; j++) {
         const struct rnd_v3 wi = rnd_get(&tracer->lights.direction, j);
         const struct rnd_v3_frame frame = rnd_v3_frame(rnd_get(&s->normal, j));
         const struct rnd_v3 wo =
@@ -68,8 +68,8 @@ static void draw_matt(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
 {
     const struct rnd_surfaces *s = &tracer->surfaces;
     struct rnd_scatters *to = &tracer->scatters;
-#pragma omp simd
-    for (uint32_t j = begin; j < end; j++) {
+#pragma GCC ivdep
+    for (size_t j = begin; j < end; j++) {
         const struct rnd_v3_frame frame = rnd_v3_frame(rnd_get(&s->normal, j));
         const struct rnd_v3 local = rnd_draw_cosine(tracer->number[0][j], tracer->number[1][j]);
         const struct rnd_v3 wi = rnd_v3_to_world(&frame, local);
@@ -84,8 +84,8 @@ static void draw_metal_rough(struct rnd_tracer *tracer, uint32_t begin, uint32_t
 {
     const struct rnd_surfaces *s = &tracer->surfaces;
     struct rnd_scatters *to = &tracer->scatters;
-#pragma omp simd
-    for (uint32_t j = begin; j < end; j++) {
+#pragma GCC ivdep
+    for (size_t j = begin; j < end; j++) {
         const struct rnd_v3_frame frame = rnd_v3_frame(rnd_get(&s->normal, j));
         const struct rnd_v3 wo =
             rnd_v3_scale(rnd_v3_to_local(&frame, rnd_get(&tracer->paths[1].direction, j)), -1.0f);
@@ -171,8 +171,8 @@ static void weigh(struct rnd_tracer *tracer, uint32_t count)
     struct rnd_paths *paths = &tracer->paths[1];
     struct rnd_scatters *to = &tracer->scatters;
     const int sure = tracer->depth < SURE_BOUNCES;
-#pragma omp simd
-    for (uint32_t j = 0; j < count; j++) {
+#pragma GCC ivdep
+    for (size_t j = 0; j < count; j++) {
         const struct rnd_v3 t = rnd_v3_mul(rnd_get(&paths->throughput, j), rnd_get(&to->weight, j));
         const float largest = rnd_v3_max(t), go_on = sure ? 1.0f : rnd_smaller(largest, 0.95f);
         const float number = sure ? 0.0f : tracer->number[3][j];
@@ -194,8 +194,8 @@ static uint32_t go_on(struct rnd_tracer *tracer, uint32_t count)
         order[alive] = j;
         alive += way->pdf[j] >= 0.0f;
     }
-#pragma omp simd
-    for (uint32_t i = 0; i < alive; i++) {
+#pragma GCC ivdep
+    for (size_t i = 0; i < alive; i++) {
         const uint32_t j = order[i];
         const struct rnd_v3 p = rnd_get(&from->origin, j), wi = rnd_get(&way->direction, j),
                             normal = rnd_get(&s->geometric, j);
@@ -207,8 +207,8 @@ static uint32_t go_on(struct rnd_tracer *tracer, uint32_t count)
         to->width[i] = from->width[j];
         to->spread[i] = from->spread[j] + wider;
     }
-#pragma omp simd
-    for (uint32_t i = 0; i < alive; i++) {
+#pragma GCC ivdep
+    for (size_t i = 0; i < alive; i++) {
         const uint32_t j = order[i];
         to->throughput.x[i] = from->throughput.x[j];
         to->throughput.y[i] = from->throughput.y[j];

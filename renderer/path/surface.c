@@ -56,8 +56,8 @@ static void gather(struct rnd_tracer *tracer, const uint32_t *order, uint32_t co
     const struct rnd_hits *hits = &tracer->hits;
     struct rnd_paths *to = &tracer->paths[1];
     struct rnd_surfaces *s = &tracer->surfaces;
-#pragma omp simd
-    for (uint32_t j = 0; j < count; j++) {
+#pragma GCC ivdep
+    for (size_t j = 0; j < count; j++) {
         const uint32_t i = order[j];
         const float t = hits->distance[i];
         s->distance[j] = t;
@@ -70,8 +70,8 @@ static void gather(struct rnd_tracer *tracer, const uint32_t *order, uint32_t co
         s->footprint[j] = to->width[j] = from->width[i] + t * from->spread[i];
         to->spread[j] = from->spread[i];
     }
-#pragma omp simd
-    for (uint32_t j = 0; j < count; j++) {
+#pragma GCC ivdep
+    for (size_t j = 0; j < count; j++) {
         const uint32_t i = order[j];
         to->throughput.x[j] = from->throughput.x[i];
         to->throughput.y[j] = from->throughput.y[i];
@@ -81,8 +81,8 @@ static void gather(struct rnd_tracer *tracer, const uint32_t *order, uint32_t co
         to->index[j] = from->index[i];
         to->id[j] = from->id[i];
     }
-#pragma omp simd
-    for (uint32_t j = 0; j < count; j++) {
+#pragma GCC ivdep
+    for (size_t j = 0; j < count; j++) {
         const uint32_t i = order[j];
         s->u[j] = hits->u[i];
         s->v[j] = hits->v[i];
@@ -122,8 +122,8 @@ static void face(struct rnd_tracer *tracer, uint32_t count)
         corner[1][j] = record->normal[1];
         corner[2][j] = record->normal[2];
     }
-#pragma omp simd
-    for (uint32_t j = 0; j < count; j++) {
+#pragma GCC ivdep
+    for (size_t j = 0; j < count; j++) {
         const struct rnd_v3 direction = rnd_get(&paths->direction, j);
         const struct rnd_v3 outside = rnd_v3_normalize(rnd_get(&s->geometric, j));
         const float side = rnd_v3_dot(outside, direction) < 0.0f ? 1.0f : -1.0f;

@@ -41,8 +41,7 @@ static float ask(const struct rnd_scene *scene, int group, const struct rnd_surf
         rnd_luminance(f.raw) / light.pdf * (light.delta ? 1.0f : rnd_power_heuristic(light.pdf, pdf));
     if (!(given > 0.0f)) return 0.0f;
     struct RTCIntersectContext context;
-    struct RTCRay shadow =
-        ray(rnd_leave(surface, to), to, light.distance * (1.0f - 1e-4f));
+    struct RTCRay shadow = ray(rnd_leave(surface, to), to, light.distance * (1.0f - 1e-4f));
     rtcInitIntersectContext(&context);
     rtcOccluded1(scene->tree, &context, &shadow);
     return shadow.tfar < 0.0f ? 0.0f : given;

@@ -128,12 +128,12 @@ struct rnd_tracer {
     struct rnd_look look[RND_WAVE];
 };
 
-RND_INLINE struct rnd_v3 rnd_get(const struct rnd_vectors *from, uint32_t i)
+RND_INLINE struct rnd_v3 rnd_get(const struct rnd_vectors *from, size_t i)
 {
     return rnd_v3(from->x[i], from->y[i], from->z[i]);
 }
 
-RND_INLINE void rnd_put(struct rnd_vectors *to, uint32_t i, struct rnd_v3 value)
+RND_INLINE void rnd_put(struct rnd_vectors *to, size_t i, struct rnd_v3 value)
 {
     to->x[i] = value.x;
     to->y[i] = value.y;
@@ -154,8 +154,8 @@ RND_INLINE void rnd_draw_numbers(struct rnd_tracer *tracer, uint32_t which, uint
 {
     const struct rnd_paths *paths = &tracer->paths[1];
     const uint32_t dimension = rnd_dimension(tracer, which);
-#pragma omp simd
-    for (uint32_t j = first; j < end; j++) {
+#pragma GCC ivdep
+    for (size_t j = first; j < end; j++) {
         const struct rnd_two two = rnd_two(paths->seed[j], dimension, paths->index[j]);
         u[j] = two.u;
         v[j] = two.v;
