@@ -13,9 +13,9 @@
 #include <string.h>
 
 enum {
-    CELL = 16,   /* paths in a cell, four by four */
-    CELLS = 128, /* cells along a side of the square */
-    TRIES = 8,   /* cells looked at for each that is wanted, at the most */
+    CELL = 16,        /* paths in a cell, four by four */
+    MOST_CELLS = 256, /* along a side of the square */
+    TRIES = 8,        /* cells looked at for each that is wanted, at the most */
 };
 
 /* Share of its usual samples that a tile still gets when nobody would see what more of them bring. */
@@ -35,12 +35,23 @@ static uint32_t pixel_of(const struct rnd_film *film, const float direction[3])
     return pixel_index(film, x < film->width ? x : film->width - 1, y < film->height ? y : film->height - 1);
 }
 
+/* How many cells along a side: so many, a power of two, that where samples are densest, at the gaze, a cell
+ * has a pixel for each of its paths. More would trace many paths in few places. */
+static float grid_of(const struct rnd_render *render, const struct rnd_aim *aim)
+{
+    const float pixel = 2.0f * (float)M_PI / (float)render->film.width;
+    const float share = render->distribution->density(aim, aim->gaze) * pixel * pixel;
+    float grid = 1.0f;
+    while (grid < MOST_CELLS && 4.0f * grid * grid * CELL * share <= 1.0f) grid *= 2.0f;
+    return grid;
+}
+
 /* Lower corner of a cell. */
 static void corner_of(const struct rnd_render *render, uint32_t cell, float out[2])
 {
     float u[2];
     rnd_pair(render->seed, 0, cell, u);
-    for (int c = 0; c < 2; c++) out[c] = floorf(u[c] * CELLS) * (1.0f / CELLS);
+    for (int c = 0; c < 2; c++) out[c] = floorf(u[c] * render->grid) / render->grid;
 }
 
 /* Is the tile in the middle of a cell as good as it can be seen to be? */
@@ -48,7 +59,7 @@ static bool is_quiet(const struct rnd_render *render, const struct rnd_aim *aim,
 {
     float u[2], direction[3];
     corner_of(render, cell, u);
-    for (int c = 0; c < 2; c++) u[c] += 0.5f / CELLS;
+    for (int c = 0; c < 2; c++) u[c] += 0.5f / render->grid;
     render->distribution->sample(aim, 1, u, direction);
     const uint32_t index = pixel_of(&render->film, direction) / RND_TILE_PIXELS;
     const struct rnd_tile *tile = &render->film.tile[index].state;
@@ -75,6 +86,7 @@ static void choose_cells(struct rnd_render *render, const struct rnd_aim *aim, u
 static void draw(struct rnd_render *render, const struct rnd_aim *aim, uint32_t first, uint32_t end)
 {
     enum { DRAW = 16 * CELL };
+    const float quarter = 0.25f / render->grid;
     float u[2 * DRAW], direction[3 * DRAW], corner[2];
     for (uint32_t i = first; i < end; i += DRAW) {
         const uint32_t n = end - i < DRAW ? end - i : DRAW;
@@ -84,8 +96,8 @@ static void draw(struct rnd_render *render, const struct rnd_aim *aim, uint32_t 
             const uint32_t h = rnd_hash2(render->seed + 3, cell * CELL + within);
             const float x = (float)(within % 4) + (float)(h & 0xffffu) * 0x1p-16f,
                         y = (float)(within / 4) + (float)(h >> 16) * 0x1p-16f;
-            u[2 * k] = corner[0] + x * (0.25f / CELLS);
-            u[2 * k + 1] = corner[1] + y * (0.25f / CELLS);
+            u[2 * k] = corner[0] + x * quarter;
+            u[2 * k + 1] = corner[1] + y * quarter;
         }
         render->distribution->sample(aim, n, u, direction);
         for (uint32_t k = 0; k < n; k++) render->pixel[i + k] = pixel_of(&render->film, direction + 3 * k);
@@ -152,6 +164,7 @@ void rnd_place(struct rnd_render *render, const struct rnd_aim *aim, uint32_t pa
 {
     struct placing placing = {render, aim, paths};
     if (drawn) {
+        render->grid = grid_of(render, aim);
         choose_cells(render, aim, (paths + CELL - 1) / CELL);
         rnd_pool_run(render->pool, draw_share, &placing);
     } else {

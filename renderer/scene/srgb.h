@@ -21,4 +21,13 @@ static inline float rnd_srgb_decode(uint8_t byte)
     return rnd_srgb_table[byte];
 }
 
+/* The byte of linear light in 0..1, to its nearest but for one in the darkest: a table, for mipmaps. */
+enum { RND_SRGB_STEPS = 8192 };
+extern uint8_t rnd_srgb_bytes[RND_SRGB_STEPS + 1];
+
+static inline uint8_t rnd_srgb_byte(float linear)
+{
+    return rnd_srgb_bytes[(int)(linear * RND_SRGB_STEPS + 0.5f)];
+}
+
 #endif

@@ -58,37 +58,46 @@ static size_t lay_out(struct rnd_texture *texture, int width, int height)
     }
 }
 
-static float decode(const struct rnd_texture *texture, size_t i, int c)
+/* Mean of four texels of bytes, in linear light. */
+static void mean_bytes(bool srgb, const uint8_t *const from[4], uint8_t to[4])
 {
-    if (texture->floats) return texture->floats[4 * i + c];
-    const uint8_t byte = texture->bytes[4 * i + c];
-    return texture->srgb && c < 3 ? rnd_srgb_decode(byte) : byte / 255.0f;
+    for (int c = 0; c < 4; c++) {
+        if (srgb && c < 3) {
+            float sum = 0.0f;
+            for (int k = 0; k < 4; k++) sum += rnd_srgb_decode(from[k][c]);
+            to[c] = rnd_srgb_byte(0.25f * sum);
+        } else {
+            to[c] = (uint8_t)((from[0][c] + from[1][c] + from[2][c] + from[3][c] + 2) / 4);
+        }
+    }
 }
 
-static void encode(struct rnd_texture *texture, size_t i, int c, float value)
+static void mean_floats(const float *const from[4], float to[4])
 {
-    if (texture->floats)
-        texture->floats[4 * i + c] = value;
-    else
-        texture->bytes[4 * i + c] =
-            (uint8_t)(255.0f * (texture->srgb && c < 3 ? rnd_srgb_encode(value) : value) + 0.5f);
+    for (int c = 0; c < 4; c++) to[c] = 0.25f * (from[0][c] + from[1][c] + from[2][c] + from[3][c]);
 }
 
-/* Every level is the mean of the one above it, in linear light; an odd last row or column counts as twice. */
+/* Every level is the mean of the one above it; an odd last row or column is left out. */
 static void fill_levels(struct rnd_texture *texture)
 {
     for (int l = 1; l < texture->levels; l++) {
         const struct rnd_level *from = &texture->level[l - 1], *to = &texture->level[l];
+        const size_t right = from->width > 1, down = from->height > 1 ? (size_t)from->width : 0;
         for (int y = 0; y < to->height; y++)
             for (int x = 0; x < to->width; x++) {
-                const int x0 = 2 * x, y0 = 2 * y, x1 = x0 + 1 < from->width ? x0 + 1 : x0,
-                          y1 = y0 + 1 < from->height ? y0 + 1 : y0;
-                const size_t a = from->first + (size_t)y0 * from->width,
-                             b = from->first + (size_t)y1 * from->width;
-                for (int c = 0; c < 4; c++)
-                    encode(texture, to->first + (size_t)y * to->width + x, c,
-                           0.25f * (decode(texture, a + x0, c) + decode(texture, a + x1, c) +
-                                    decode(texture, b + x0, c) + decode(texture, b + x1, c)));
+                const size_t i = from->first + 2 * (size_t)y * down + 2 * (size_t)x * right,
+                             k = to->first + (size_t)y * to->width + x;
+                const size_t at[4] = {4 * i, 4 * (i + right), 4 * (i + down), 4 * (i + right + down)};
+                if (texture->floats) {
+                    const float *f = texture->floats;
+                    mean_floats((const float *const[4]){f + at[0], f + at[1], f + at[2], f + at[3]},
+                                texture->floats + 4 * k);
+                } else {
+                    const uint8_t *b = texture->bytes;
+                    mean_bytes(texture->srgb,
+                               (const uint8_t *const[4]){b + at[0], b + at[1], b + at[2], b + at[3]},
+                               texture->bytes + 4 * k);
+                }
             }
     }
 }
@@ -99,14 +108,18 @@ static void take_pixels(struct rnd_texture *texture, const struct rnd_pixels *pi
     const size_t count = (size_t)pixels->width * pixels->height, n = pixels->channels;
     const size_t g = n >= 3 ? 1 : 0, b = 2 * g, a = n == 2 || n >= 4 ? (n == 2 ? 1 : 3) : 0;
     texture->has_alpha = a != 0;
-    for (size_t i = 0; i < count; i++) {
-        const size_t channel[4] = {n * i, n * i + g, n * i + b, n * i + a};
-        for (int c = 0; c < 4; c++)
-            if (texture->floats)
-                texture->floats[4 * i + c] = c == 3 && !a ? 1.0f : pixels->floats[channel[c]];
-            else
-                texture->bytes[4 * i + c] = c == 3 && !a ? 255 : pixels->bytes[channel[c]];
-    }
+    if (texture->floats)
+        for (size_t i = 0; i < count; i++) {
+            const float *from = pixels->floats + n * i;
+            float *to = texture->floats + 4 * i;
+            to[0] = from[0], to[1] = from[g], to[2] = from[b], to[3] = a ? from[a] : 1.0f;
+        }
+    else
+        for (size_t i = 0; i < count; i++) {
+            const uint8_t *from = pixels->bytes + n * i;
+            uint8_t *to = texture->bytes + 4 * i;
+            to[0] = from[0], to[1] = from[g], to[2] = from[b], to[3] = a ? from[a] : 255;
+        }
 }
 
 bool rnd_texture_load(struct rnd_texture *texture, char out_error[RND_ERROR_SIZE])

@@ -14,6 +14,7 @@ static const struct {
 } measurement[] = {
     {"converge", "time until the gaze disc reaches a given error, for every distribution", bench_converge},
     {"foveation", "angle between true gaze and what is rendered for; onset of saccades", bench_foveation},
+    {"startup", "time to the first coarse picture, and memory of a film pixel", bench_startup},
     {"throughput", "paths and rays a second, against Embree alone with the same rays", bench_throughput},
 };
 

@@ -10,6 +10,7 @@
 /* arguments as main's, from the measurement's name on; returns the exit code. */
 int bench_converge(int count, char **arguments);
 int bench_foveation(int count, char **arguments);
+int bench_startup(int count, char **arguments);
 int bench_throughput(int count, char **arguments);
 
 /* Options by which every measurement that renders takes its scene; for getopt_long, and their help. */

@@ -1,0 +1,140 @@
+/* From nothing to the first coarse picture, step by step; and what a pixel of the film costs in memory. */
+#include "bench.h"
+#include "renderer.h"
+
+#include <getopt.h>
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { MAX_TURNS = 99 };
+
+struct setup {
+    struct rnd_scene_options scene;
+    int width, turns;
+    bool json;
+};
+
+enum { READ, BUILD, OUTLINE, AFTER_READ, FIGURES };
+static const char *const name[FIGURES] = {"read", "build", "outline", "after_read"};
+
+static const char help[] = "usage: fovea-bench startup [OPTION...]\n"
+                           "Time from nothing to the first coarse picture: reading the file; textures, tree "
+                           "and lights; a path in every cell\n"
+                           "of 16 x 16 pixels. And the memory of a film pixel.\n" BENCH_SCENE_HELP
+                           "  --width N          of the film, pixels; default 4096\n"
+                           "  --turns N          medians over so many are printed; default 5\n"
+                           "  --json             one JSON object instead of the table\n";
+
+static bool parse(int count, char **arguments, struct setup *out)
+{
+    static const struct option option[] = {
+        BENCH_SCENE_OPTIONS,    {"width", 1, NULL, 'w'}, {"turns", 1, NULL, 't'},
+        {"json", 0, NULL, 'j'}, {"help", 0, NULL, 'h'},  {0},
+    };
+    *out = (struct setup){.width = 4096, .turns = 5};
+    for (int c; (c = getopt_long(count, arguments, "", option, NULL)) != -1;) {
+        bool ok = true;
+        if (bench_scene_option(c, &out->scene, &ok)) {
+        } else if (c == 'w') {
+            ok = sscanf(optarg, "%d", &out->width) == 1;
+        } else if (c == 't') {
+            ok = sscanf(optarg, "%d", &out->turns) == 1 && out->turns >= 1 && out->turns <= MAX_TURNS;
+        } else if (c == 'j') {
+            out->json = true;
+        } else if (c == 'h') {
+            fputs(help, stdout);
+            exit(0);
+        } else {
+            return false;
+        }
+        if (!ok) return bench_refuse();
+    }
+    bench_scene_default(&out->scene);
+    return true;
+}
+
+static double seconds(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Memory of this process that is there, bytes. */
+static double resident(void)
+{
+    long pages = 0;
+    FILE *file = fopen("/proc/self/statm", "r");
+    if (!file || fscanf(file, "%*d %ld", &pages) != 1) pages = 0;
+    if (file) fclose(file);
+    return (double)pages * (double)sysconf(_SC_PAGESIZE);
+}
+
+static bool measure(const struct setup *setup, int turn, double figure[FIGURES][MAX_TURNS],
+                    struct rnd_scene_info *out_info, double *out_bytes)
+{
+    char error[RND_ERROR_SIZE];
+    const struct rnd_aim aim = {.gaze = {0, 0, -1}, .view = {0, 0, 0, 1}, .fov = {1.7f, 1.7f}};
+    const struct rnd_render_options options = {
+        .width = setup->width, .height = setup->width / 2, .distribution = rnd_distribution_find("od")};
+    struct rnd_scene *scene = rnd_scene_load(&setup->scene, error);
+    const double start = seconds(), before = resident();
+    struct rnd_render *render = scene ? rnd_render_create(scene, &options, error) : NULL;
+    struct rnd_batch batch;
+    if (render) {
+        rnd_render_outline(render, &aim, 0, &batch);
+        *out_info = *rnd_scene_info(scene);
+        figure[READ][turn] = out_info->read_seconds;
+        figure[BUILD][turn] = out_info->build_seconds;
+        figure[OUTLINE][turn] = seconds() - start;
+        figure[AFTER_READ][turn] = figure[BUILD][turn] + figure[OUTLINE][turn];
+        /* a path in every eighth pixel touches every page of the film */
+        rnd_render_batch(render, &aim, 0, (uint32_t)(setup->width * (setup->width / 16)), &batch);
+        *out_bytes = (resident() - before) / ((double)setup->width * setup->width / 2);
+    } else {
+        fprintf(stderr, "fovea-bench: %s\n", error);
+    }
+    rnd_render_destroy(render);
+    rnd_scene_destroy(scene);
+    return render != NULL;
+}
+
+int bench_startup(int count, char **arguments)
+{
+    static double figure[FIGURES][MAX_TURNS];
+    struct setup setup;
+    struct rnd_scene_info info = {0};
+    double bytes = 0, largest = 0, median[FIGURES];
+    if (!parse(count, arguments, &setup)) return 2;
+    for (int t = 0; t < setup.turns; t++) {
+        if (!measure(&setup, t, figure, &info, &bytes)) return 1;
+        largest = fmax(largest, bytes); /* a later turn may find memory that an earlier one left */
+    }
+    for (int i = 0; i < FIGURES; i++) median[i] = bench_median(figure[i], setup.turns);
+    if (setup.json) {
+        json_t *root = json_pack("{s:s,s:I,s:i,s:f}", "scene", setup.scene.path, "triangles",
+                                 (json_int_t)info.triangles, "width", setup.width, "bytes_a_pixel", largest);
+        for (int i = 0; i < FIGURES; i++) {
+            char key[64];
+            snprintf(key, sizeof key, "%s_seconds", name[i]);
+            json_object_set_new(root, key, json_real(median[i]));
+        }
+        json_dumpf(root, stdout, JSON_INDENT(1) | JSON_REAL_PRECISION(6));
+        putchar('\n');
+        json_decref(root);
+        return 0;
+    }
+    printf("%s, %llu triangles, %u textures of %.1f MiB, film %d x %d, medians of %d\n", setup.scene.path,
+           (unsigned long long)info.triangles, info.textures, (double)info.texture_bytes / 1048576.0,
+           setup.width, setup.width / 2, setup.turns);
+    printf("%-34s %8.3f s\n%-34s %8.3f s\n%-34s %8.3f s\n%-34s %8.3f s\n%-34s %8.1f bytes\n",
+           "reading the file", median[READ], "textures, tree, lights", median[BUILD],
+           "film and first coarse picture", median[OUTLINE], "after the file is read", median[AFTER_READ],
+           "a pixel of the film", largest);
+    return 0;
+}
