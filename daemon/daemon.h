@@ -94,6 +94,7 @@ struct dmn_options {
     const char *record;      /* NULL: not recorded */
     bool replace;            /* what record names may exist */
     float fov[2];            /* rad, of the vp viewport */
+    float display_ppd;       /* pixels a degree; 0: as fine as the eye */
     bool virtual_clock;
     struct pro_address listen[DMN_MAX_LISTEN];
     int listens;

@@ -121,6 +121,7 @@ struct dmn_gaze *dmn_gaze_open(const struct dmn_options *options, char out_error
     gaze->aim = (struct rnd_aim){.gaze = {0, 0, -1}, .view = {0, 0, 0, 1}};
     gaze->measured[2] = -1;
     memcpy(gaze->aim.fov, options->fov, sizeof(gaze->aim.fov));
+    gaze->aim.pixels_per_degree = options->display_ppd;
     strcpy(gaze->status.description, "none");
     if (options->gaze && !open_source(gaze, options, out_error)) goto fail;
     if (options->record && !dmn_gaze_record(gaze, options->record, options->replace, text)) {

@@ -18,6 +18,7 @@ static const char HELP[] =
     "What is rendered\n"
     "  --scene FILE            glTF, GLB, OBJ, or what else assimp reads\n"
     "  --env FILE              equirectangular environment map: HDR, EXR\n"
+    "  --env-turn DEG          turn the environment map to the right; 0\n"
     "  --sun AZ,EL,E,D         a sun: degrees right of -Z, elevation in degrees, irradiance on a surface "
     "that\n"
     "                          faces it, angular diameter in degrees (the real one: 0.53)\n"
@@ -30,6 +31,8 @@ static const char HELP[] =
     "stays\n"
     "  --size WxH | W          film in pixels; W a multiple of 128, up to 32768, H half of it; 4096x2048\n"
     "  --bounces N             longest path; 0, the default: Russian roulette alone ends a path\n"
+    "  --clamp L               clamp light that comes by way of a second surface to this luminance: fewer bright specks, and\n"
+    "                          a darker picture; default: nothing is clamped\n"
     "  --seed N                of all random numbers; 0\n"
     "  --threads N             that trace paths; one a processor\n"
     "\n"
@@ -59,6 +62,8 @@ static const char HELP[] =
     "  --mode MODE             where samples fall:\n";
 
 static const char HELP_REST[] =
+    "  --display-ppd N         pixels a degree of the display: samples are no denser than it can show; default: as dense as\n"
+    "                          the eye can use\n"
     "  --fov X,Y               field of view of vp, degrees; 100,100\n"
     "\n"
     "Who may watch\n"
@@ -101,7 +106,7 @@ static const char HELP_REST[] =
 struct parser {
     struct dmn_options *out;
     const char *mode;
-    bool has_gaze, has_speed, has_fov, has_screen, list;
+    bool has_gaze, has_speed, has_fov, has_screen, has_env_turn, list;
 };
 
 static bool refuse(const char *format, ...) __attribute__((format(printf, 1, 2)));
@@ -205,7 +210,8 @@ static const struct option LONG[] = {
     {"scene", required_argument, NULL, 's'},  {"env", required_argument, NULL, 'e'},
     {"sun", required_argument, NULL, 'u'},    {"eye", required_argument, NULL, 'y'},
     {"size", required_argument, NULL, 'z'},   {"bounces", required_argument, NULL, 'b'},
-    {"seed", required_argument, NULL, 'd'},   {"threads", required_argument, NULL, 't'},
+    {"seed", required_argument, NULL, 'd'},   {"env-turn", required_argument, NULL, 'T'},
+    {"clamp", required_argument, NULL, 'K'},  {"display-ppd", required_argument, NULL, 'D'},   {"threads", required_argument, NULL, 't'},
     {"gaze", required_argument, NULL, 'g'},   {"list-trackers", no_argument, NULL, 'L'},
     {"screen", required_argument, NULL, 'S'}, {"calibration", required_argument, NULL, 'C'},
     {"raw-gaze", no_argument, NULL, 'W'},     {"predict", no_argument, NULL, 'P'},
@@ -241,6 +247,21 @@ static bool take(struct parser *p, int option, const char *text)
         return out->watch = true;
     case 'z':
         return take_size(p, text);
+    case 'T':
+        if (!dmn_parse_numbers(text, 1, &number) || fabs(number) > 360)
+            return refuse("--env-turn wants degrees from -360 to 360, not '%s'", text);
+        out->scene.env_azimuth = (float)number, p->has_env_turn = true;
+        break;
+    case 'K':
+        if (!dmn_parse_numbers(text, 1, &number) || number <= 0)
+            return refuse("--clamp wants a luminance above 0, not '%s'", text);
+        out->render.firefly = (float)number;
+        break;
+    case 'D':
+        if (!dmn_parse_numbers(text, 1, &number) || number < 1 || number > 1000)
+            return refuse("--display-ppd wants pixels a degree, 1 to 1000, not '%s'", text);
+        out->display_ppd = (float)number;
+        break;
     case 'b':
         good = take_whole("bounces", text, 0, 1024, &whole), out->render.max_bounces = (int)whole;
         break;
@@ -345,6 +366,8 @@ static bool settle(struct parser *p)
         return refuse("%s has no end to wait for: use another --until", out->loop ? "--loop" : out->gaze);
     if (!settle_gaze(p)) return false;
     if (out->watch && out->virtual_clock) return refuse("--watch needs the real clock");
+    if (p->has_env_turn && !out->scene.env_path) return refuse("--env-turn needs --env");
+    if (out->display_ppd > 0 && strncmp(p->mode, "fv", 2)) return refuse("--display-ppd needs --mode fv or fv-exact");
     if (p->has_fov && strcmp(p->mode, "vp")) return refuse("--fov needs --mode vp");
     if (!out->listens && out->until.kind == DMN_UNTIL_STOPPED) return take_listen(p, NULL);
     return true;

@@ -8,7 +8,6 @@
 
 #include <math.h>
 
-#define FOVEA_DEG 5.79
 #define OUTER_DEG ((double)RND_OUTER_DEG)
 /* 2 pi 7.49 / 0.3^2: what eq. 5 rounds to 166.4 pi. */
 #define SCALE (2.0 * M_PI * 7.49 / 0.09)
@@ -16,7 +15,7 @@
 float rnd_acuity(float eccentricity_deg)
 {
     const float y = 0.3f * eccentricity_deg + 1.0f;
-    return eccentricity_deg <= (float)FOVEA_DEG ? 1.0f : 7.49f / (y * y);
+    return eccentricity_deg <= (float)RND_FOVEA_DEG ? 1.0f : 7.49f / (y * y);
 }
 
 /* 1/y + ln y, y = 0.3 e + 1: the integral of e m(e) outside the fovea but for its scale. */
@@ -28,10 +27,10 @@ static double outer_integral(double y)
 /* Integral of g(e) = 2 pi e m(e) from 0 to e (Koskela 2018 eq. 5, with its constant of integration exact). */
 double rnd_acuity_integral(double eccentricity_deg)
 {
-    const double inner = M_PI * FOVEA_DEG * FOVEA_DEG;
-    if (eccentricity_deg <= FOVEA_DEG) return M_PI * eccentricity_deg * eccentricity_deg;
+    const double inner = M_PI * RND_FOVEA_DEG * RND_FOVEA_DEG;
+    if (eccentricity_deg <= RND_FOVEA_DEG) return M_PI * eccentricity_deg * eccentricity_deg;
     return inner +
-           SCALE * (outer_integral(0.3 * eccentricity_deg + 1.0) - outer_integral(0.3 * FOVEA_DEG + 1.0));
+           SCALE * (outer_integral(0.3 * eccentricity_deg + 1.0) - outer_integral(0.3 * RND_FOVEA_DEG + 1.0));
 }
 
 float rnd_eccentricity_polynomial(float u)
@@ -60,8 +59,8 @@ float rnd_polynomial_inverse(float e, float *out_slope)
 
 float rnd_eccentricity_exact(float u)
 {
-    static const double foveal_y = 0.3 * FOVEA_DEG + 1.0;
-    const double total = rnd_acuity_integral(OUTER_DEG), inner = M_PI * FOVEA_DEG * FOVEA_DEG;
+    static const double foveal_y = 0.3 * RND_FOVEA_DEG + 1.0;
+    const double total = rnd_acuity_integral(OUTER_DEG), inner = M_PI * RND_FOVEA_DEG * RND_FOVEA_DEG;
     const double h = u * total;
     if (h <= inner) return (float)sqrt(h / M_PI);
 

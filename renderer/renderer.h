@@ -74,11 +74,15 @@ struct rnd_aim {
     float fov[2];      /* its horizontal and vertical field of view, rad, each in (0, pi) */
     uint64_t sequence; /* of the gaze sample; tiles remember it */
     uint64_t time_ns;  /* when the gaze sample arrived; tiles remember it */
-    /* How many times wider than the eye's own acuity fv and fv-exact should be, for a gaze that is not sure: at
-     * eccentricity e they then follow m(e / spread), to 80 degrees as ever. 1 or less, also 0: as it is. */
+    /* How many times wider than the eye's own acuity fv and fv-exact should be, for a gaze that is not sure:
+     * at eccentricity e they then follow m(e / spread), to 80 degrees as ever. 1 or less, also 0: as it is.
+     */
     float spread;
-    /* Set by any thread as soon as there is a newer aim: the batch then ends within the time of a wave, and the paths
-     * that nobody has begun are left out. NULL: it is traced whole. */
+    /* Of the display that shows it: fv and fv-exact are no denser than it can show, m(e) no more than its
+     * cycles a degree over the eye's 60. 0: it shows all that the eye can see. */
+    float pixels_per_degree;
+    /* Set by any thread as soon as there is a newer aim: the batch then ends within the time of a wave, and
+     * the paths that nobody has begun are left out. NULL: it is traced whole. */
     const atomic_bool *stale;
 };
 
@@ -120,6 +124,8 @@ struct rnd_render_options {
     int threads;       /* 0: one for each processor */
     uint64_t seed;
     int max_bounces; /* 0: Russian roulette alone ends a path */
+    float firefly;   /* luminance, before the first surface, that light by way of a second one is clamped to:
+                        less noise, and   darker; 0: none is */
     float error_bar; /* relative standard error at which a tile is converged; 0: the default, 0.05 */
     const struct rnd_distribution *distribution;
 };
@@ -146,8 +152,8 @@ struct rnd_batch {
                                          their radiance was not finite */
     double seconds;                   /* wall time of the batch */
     double place_seconds;             /* of these, drawing and ordering positions */
-    /* Time of all threads together: within Embree; surfaces, their textures and what they emit; choosing lights;
-     * BSDFs; adding to the film. */
+    /* Time of all threads together: within Embree; surfaces, their textures and what they emit; choosing
+     * lights; BSDFs; adding to the film. */
     double rays_seconds, surface_seconds, light_seconds, scatter_seconds, film_seconds;
 };
 
@@ -162,9 +168,9 @@ void rnd_render_batch(struct rnd_render *render, const struct rnd_aim *aim, uint
 void rnd_render_outline(struct rnd_render *render, const struct rnd_aim *aim, uint64_t now_ns,
                         struct rnd_batch *out_batch);
 
-/* Trace a batch as rnd_render_batch() does, then make the same calls to Embree once more, by the same threads and with
- * nothing in between: *out_seconds is what traversal alone takes of the processors' time. Negative if memory is
- * short. */
+/* Trace a batch as rnd_render_batch() does, then make the same calls to Embree once more, by the same threads
+ * and with nothing in between: *out_seconds is what traversal alone takes of the processors' time. Negative
+ * if memory is short. */
 void rnd_render_retrace(struct rnd_render *render, const struct rnd_aim *aim, uint32_t paths,
                         struct rnd_batch *out_batch, double *out_seconds);
 

@@ -65,20 +65,38 @@ static float eccentricity_of(const struct rnd_aim *aim, const float direction[3]
     return fmaxf(rnd_angle(rnd_vec(aim->gaze), rnd_vec(direction)) / deg, 1e-3f);
 }
 
-static float exact_share(float spread)
+/* The density min(m, cap) and its integral; t is eccentricity over spread, degrees. */
+struct capped {
+    double cap, flat; /* no more than cap, which is so up to flat */
+    double inner;     /* integral up to there */
+    double end, total;
+};
+
+/* The eye resolves 60 cycles a degree at its best, and a display half a cycle a pixel (Koskela 2016, section
+ * 3). */
+static struct capped capped_of(const struct rnd_aim *aim)
 {
-    return (float)(rnd_acuity_integral(RND_OUTER_DEG / spread) / rnd_acuity_integral(RND_OUTER_DEG));
+    const double cap = aim->pixels_per_degree > 0.0f ? fmin(aim->pixels_per_degree / 120.0, 1.0) : 1.0;
+    struct capped c = {.cap = cap, .flat = RND_FOVEA_DEG, .end = RND_OUTER_DEG / spread_of(aim)};
+    if (cap < 1.0) c.flat = fmax((sqrt(7.49 / cap) - 1.0) / 0.3, RND_FOVEA_DEG);
+    c.flat = fmin(c.flat, c.end);
+    c.inner = cap * M_PI * c.flat * c.flat;
+    c.total = c.inner + rnd_acuity_integral(c.end) - rnd_acuity_integral(c.flat);
+    return c;
 }
 
 static void exact_sample(const struct rnd_aim *aim, size_t count, const float *u, float *out)
 {
-    const float share = exact_share(spread_of(aim));
+    const struct capped c = capped_of(aim);
+    const double beyond = rnd_acuity_integral(c.flat) - c.inner, all = rnd_acuity_integral(RND_OUTER_DEG);
     float e[SOME], turn[SOME];
     for (size_t first = 0; first < count; first += SOME) {
         const size_t n = count - first < SOME ? count - first : SOME;
         for (size_t i = 0; i < n; i++) {
             disc(u[2 * (first + i)], u[2 * (first + i) + 1], &e[i], &turn[i]);
-            e[i] = rnd_eccentricity_exact(share * e[i]);
+            const double h = e[i] * c.total;
+            e[i] = h <= c.inner ? (float)sqrt(h / (c.cap * M_PI))
+                                : rnd_eccentricity_exact((float)((h + beyond) / all));
         }
         put(aim, n, e, turn, out + 3 * first);
     }
@@ -87,9 +105,10 @@ static void exact_sample(const struct rnd_aim *aim, size_t count, const float *u
 static float exact_density(const struct rnd_aim *aim, const float direction[3])
 {
     const float e = eccentricity_of(aim, direction), spread = spread_of(aim), t = e / spread;
+    const struct capped c = capped_of(aim);
     if (e > RND_OUTER_DEG) return 0.0f;
-    const float total = spread * (float)rnd_acuity_integral(RND_OUTER_DEG / spread);
-    return per_steradian(e, 2.0f * (float)M_PI * t * rnd_acuity(t) / total);
+    const float m = fminf(rnd_acuity(t), (float)c.cap);
+    return per_steradian(e, 2.0f * (float)M_PI * t * m / (spread * (float)c.total));
 }
 
 /* 1 without spread: the fit ends a little before 80 degrees. */
@@ -99,8 +118,18 @@ static float polynomial_share(float spread)
     return rnd_polynomial_inverse(RND_OUTER_DEG / spread, &slope);
 }
 
+/* The fit is of the whole acuity alone. */
+static bool is_capped(const struct rnd_aim *aim)
+{
+    return aim->pixels_per_degree > 0.0f && aim->pixels_per_degree < 120.0f;
+}
+
 static void polynomial_sample(const struct rnd_aim *aim, size_t count, const float *u, float *out)
 {
+    if (is_capped(aim)) {
+        exact_sample(aim, count, u, out);
+        return;
+    }
     const float share = polynomial_share(spread_of(aim));
     float e[SOME], turn[SOME];
     for (size_t first = 0; first < count; first += SOME) {
@@ -119,6 +148,7 @@ static void polynomial_sample(const struct rnd_aim *aim, size_t count, const flo
  * thousandths of a degree between them, nor beyond e(1) = 79.97. */
 static float polynomial_density(const struct rnd_aim *aim, const float direction[3])
 {
+    if (is_capped(aim)) return exact_density(aim, direction);
     const float e = eccentricity_of(aim, direction), spread = spread_of(aim);
     float slope;
     if (e > RND_OUTER_DEG) return 0.0f;

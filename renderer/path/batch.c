@@ -273,7 +273,8 @@ struct rnd_render *rnd_render_create(const struct rnd_scene *scene, const struct
     bool ok = render->worker && render->pool && render->start;
     const float spread = 2.0f * (float)M_PI / (float)width;
     for (long i = 0; ok && i < threads; i++)
-        ok = (render->worker[i].tracer = rnd_tracer_create(scene, options->max_bounces, spread)) != NULL;
+        ok = (render->worker[i].tracer =
+                  rnd_tracer_create(scene, options->max_bounces, options->firefly, spread)) != NULL;
     if (ok &&
         rnd_film_init(&render->film, width, height, options->error_bar > 0.0f ? options->error_bar : 0.05f))
         return render;

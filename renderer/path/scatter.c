@@ -9,10 +9,6 @@
 /* Bounces before Russian roulette begins: shorter paths carry most of the light. */
 enum { SURE_BOUNCES = 3 };
 
-/* How much a path's cone widens where it is scattered: rad, by the square root of the solid angle that the
- * density stands for. Half of that of a cosine lobe, for what is seen in it is a mean anyway. */
-#define SCATTER_SPREAD 0.06f
-
 /* --- light that arrives --- */
 
 /* What a chosen light brings if it is not hidden, from what of it the surface scatters (times cosine), and
@@ -152,7 +148,7 @@ static void cast_shadows(struct rnd_tracer *tracer, uint32_t count)
         const struct rnd_v3 p = rnd_get(&paths->origin, j), wi = rnd_get(&lights->direction, j),
                             normal = rnd_get(&s->geometric, j);
         const float off = offset_of(p, s->distance[j]), side = rnd_v3_dot(wi, normal) >= 0.0f ? off : -off;
-        tracer->shadow[n] = (struct rnd_shadow){paths->id[j], radiance};
+        tracer->shadow[n] = (struct rnd_shadow){paths->id[j], rnd_clamp_firefly(tracer, radiance)};
         tracer->shadow_ray[n++] = (struct RTCRay){.org_x = p.x + side * normal.x,
                                                   .org_y = p.y + side * normal.y,
                                                   .org_z = p.z + side * normal.z,
@@ -200,12 +196,10 @@ static uint32_t go_on(struct rnd_tracer *tracer, uint32_t count)
         const struct rnd_v3 p = rnd_get(&from->origin, j), wi = rnd_get(&way->direction, j),
                             normal = rnd_get(&s->geometric, j);
         const float off = offset_of(p, s->distance[j]), side = rnd_v3_dot(wi, normal) >= 0.0f ? off : -off;
-        const float pdf = way->pdf[j], wider = pdf > 0.0f ? SCATTER_SPREAD / sqrtf(pdf) : 0.0f;
         rnd_put(&to->origin, i, rnd_v3_muladd(normal, side, p));
         rnd_put(&to->direction, i, wi);
-        to->pdf[i] = pdf;
+        to->pdf[i] = way->pdf[j];
         to->width[i] = from->width[j];
-        to->spread[i] = from->spread[j] + wider;
     }
 #pragma GCC ivdep
     for (size_t i = 0; i < alive; i++) {

@@ -8,8 +8,9 @@
 
 /* --- sky --- */
 
-static void add(struct rnd_tracer *tracer, uint32_t id, struct rnd_v3 radiance)
+static void add(struct rnd_tracer *tracer, uint32_t id, struct rnd_v3 brought)
 {
+    const struct rnd_v3 radiance = rnd_clamp_firefly(tracer, brought);
     tracer->io->radiance[0][id] += radiance.x;
     tracer->io->radiance[1][id] += radiance.y;
     tracer->io->radiance[2][id] += radiance.z;
@@ -67,8 +68,7 @@ static void gather(struct rnd_tracer *tracer, const uint32_t *order, uint32_t co
         to->direction.x[j] = from->direction.x[i];
         to->direction.y[j] = from->direction.y[i];
         to->direction.z[j] = from->direction.z[i];
-        s->footprint[j] = to->width[j] = from->width[i] + t * from->spread[i];
-        to->spread[j] = from->spread[i];
+        s->footprint[j] = to->width[j] = from->width[i] + t * tracer->spread;
     }
 #pragma GCC ivdep
     for (size_t j = 0; j < count; j++) {
@@ -182,7 +182,8 @@ static float roughly_log2(float x)
 /* The mipmap level whose texels are half as large as the path's cone where it hit. */
 static int level_of(const struct rnd_texture *texture, float lod, float width, float cosine)
 {
-    const float footprint = rnd_larger(width, 1e-12f) / rnd_larger(cosine, 0.05f);
+    /* longer by 1 / cosine one way alone: the mean of both */
+    const float footprint = rnd_larger(width, 1e-12f) / sqrtf(rnd_larger(cosine, 0.01f));
     const float level = lod + texture->log2_size + roughly_log2(footprint) - 0.5f; /* -1, and 1/2 to round */
     const float last = (float)(texture->levels - 1);
     return (int)rnd_smaller(rnd_larger(level, 0.0f), last);

@@ -41,13 +41,15 @@ static const struct stages *best_stages(void)
     return &stages_plain;
 }
 
-struct rnd_tracer *rnd_tracer_create(const struct rnd_scene *scene, int max_bounces, float spread)
+struct rnd_tracer *rnd_tracer_create(const struct rnd_scene *scene, int max_bounces, float firefly,
+                                     float spread)
 {
     struct rnd_tracer *tracer = aligned_alloc(64, (sizeof *tracer + 63) & ~(size_t)63);
     if (!tracer) return NULL;
     memset(tracer, 0, sizeof *tracer);
     tracer->scene = scene;
     tracer->max_bounces = max_bounces;
+    tracer->firefly = firefly > 0.0f ? firefly : INFINITY;
     tracer->spread = spread;
     tracer->stages = best_stages();
     rnd_rays_init(tracer);
@@ -106,7 +108,6 @@ static void start(struct rnd_tracer *tracer, const float eye[3], uint32_t count)
         rnd_put(&paths->direction, i, rnd_v3(io->direction[0][i], io->direction[1][i], io->direction[2][i]));
         rnd_put(&paths->throughput, i, rnd_v3(1, 1, 1));
         paths->pdf[i] = paths->width[i] = 0.0f;
-        paths->spread[i] = tracer->spread;
         paths->seed[i] = io->seed[i];
         paths->index[i] = io->index[i];
         paths->id[i] = i;

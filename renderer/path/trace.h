@@ -27,9 +27,10 @@ struct rnd_wave_io {
 
 struct rnd_tracer; /* one thread's memory for waves */
 
-/* max_bounces 0: Russian roulette alone ends a path. spread: angle between the film's pixels, rad. NULL when
- * memory is short. */
-struct rnd_tracer *rnd_tracer_create(const struct rnd_scene *scene, int max_bounces, float spread);
+/* max_bounces and firefly as in struct rnd_render_options; spread: angle between the film's pixels, rad. NULL
+ * when memory is short. */
+struct rnd_tracer *rnd_tracer_create(const struct rnd_scene *scene, int max_bounces, float firefly,
+                                     float spread);
 void rnd_tracer_destroy(struct rnd_tracer *tracer); /* accepts NULL */
 /* Go on with another scene. */
 void rnd_tracer_scene(struct rnd_tracer *tracer, const struct rnd_scene *scene);

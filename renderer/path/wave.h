@@ -102,6 +102,7 @@ struct rnd_tape;
 struct rnd_tracer {
     const struct rnd_scene *scene;
     int max_bounces;
+    float firefly;               /* luminance that indirect light is clamped to; INFINITY: it is not */
     float spread;                /* angle between neighbouring pixels, rad */
     const struct stages *stages; /* for this processor */
     uint64_t rays;
@@ -168,6 +169,14 @@ RND_INLINE void rnd_dither(uint32_t seed, uint32_t index, uint32_t which, float 
     const uint32_t h = rnd_hash(seed ^ (index * 0x9e3779b9u + which * 0x85ebca6bu));
     *out_r = (float)(int32_t)(h & 0xffffu) * 0x1p-16f;
     *out_s = (float)(int32_t)(h >> 16) * 0x1p-16f;
+}
+
+/* Radiance that a path brings, clamped if it came by way of a second surface and is to be. */
+RND_INLINE struct rnd_v3 rnd_clamp_firefly(const struct rnd_tracer *tracer, struct rnd_v3 radiance)
+{
+    const float bright = rnd_v3_luminance(radiance);
+    return tracer->depth > 0 && bright > tracer->firefly ? rnd_v3_scale(radiance, tracer->firefly / bright)
+                                                         : radiance;
 }
 
 /* rays.c: what paths hit; and which shadow rays get through, whose radiance is added. */

@@ -101,7 +101,7 @@ static void everything_said(void **state)
     (void)state;
     run("--scene a.obj --env e.hdr --sun -30,45.5,3,0.53 --eye -1,2,3.5 --gaze replay:g --speed 2 --loop "
         "--mode vp "
-        "--fov 90,80 --size 1024x512 --threads 3 --seed 18446744073709551615 --bounces 7 --listen unix:/a/b "
+        "--fov 90,80 --size 1024x512 --threads 3 --seed 18446744073709551615 --bounces 7 --clamp 2.5 --listen unix:/a/b "
         "--listen tcp:127.0.0.1:9 --json --watch",
         &o);
     assert_true(o.watch);
@@ -115,6 +115,7 @@ static void everything_said(void **state)
     assert_int_equal(o.render.threads, 3);
     assert_true(o.render.seed == UINT64_MAX);
     assert_int_equal(o.render.max_bounces, 7);
+    assert_float_equal(o.render.firefly, 2.5, 0);
     assert_int_equal(o.listens, 2);
     assert_int_equal(o.listen[1].port, 9);
     finish(&o);
@@ -169,7 +170,8 @@ static void refused_with_one_line(void **state)
         "--scene a --threads -1",
         "--scene a --threads 1e3",
         "--scene a --seed 18446744073709551616",
-        "--scene a --bounces x",
+        "--scene a --bounces x", "--scene a --env-turn 10", "--scene a --env b --env-turn x", "--scene a --clamp 0",
+        "--scene a --clamp x", "--scene a --display-ppd 0", "--scene a --mode od --display-ppd 20",
         "--scene a --speed -1",
         "--scene a --speed inf",
         "--scene a --mode nope",

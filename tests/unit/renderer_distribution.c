@@ -171,6 +171,32 @@ static void polynomial_draws(void **state)
     assert_true(p > LEAST_P);
 }
 
+/* Acuity capped by a display: flat up to where the eye resolves no more than it shows (25.5 degrees at 12
+ * pixels a degree: 7.49 / (0.3 e + 1)^2 = 6 / 60), then as ever; a display that is finer than the eye changes
+ * nothing. */
+static void capped_by_display(void **state)
+{
+    (void)state;
+    const struct rnd_distribution *d = rnd_distribution_find("fv-exact");
+    struct rnd_aim aim = {.gaze = {0, 0, -1}, .pixels_per_degree = 12};
+    float direction[3], density[4], outer[2];
+    static const float place_deg[4] = {1, 10, 25, 50};
+    for (int i = 0; i < 4; i++) {
+        rnd_direction(place_deg[i] * (float)M_PI / 180, 0, direction);
+        density[i] = d->density(&aim, direction) * sinf(place_deg[i] * (float)M_PI / 180) / place_deg[i];
+    }
+    /* per degree of eccentricity and unit of e: proportional to min(m, cap) */
+    assert_float_equal(density[1] / density[0], 1, 1e-4);
+    assert_float_equal(density[2] / density[0], 1, 1e-4);
+    assert_float_equal(density[3] / density[0], rnd_acuity(50) / 0.1, 1e-4);
+    rnd_direction(50 * (float)M_PI / 180, 0, direction);
+    aim.pixels_per_degree = 120;
+    outer[0] = d->density(&aim, direction);
+    aim.pixels_per_degree = 0;
+    outer[1] = d->density(&aim, direction);
+    assert_float_equal(outer[0] / outer[1], 1, 1e-6);
+}
+
 /* With a spread of s the density is that of acuity m(e / s), still over 80 degrees, and draws follow it in
  * fine bins. A spread of 1, and one that is none, change no bit of what is drawn. */
 static void wider(void **state)
@@ -237,12 +263,19 @@ static struct rnd_aim aim_of(double yaw, double pitch, double roll, double fov_x
                             .fov = {(float)(fov_x * deg), (float)(fov_y * deg)}};
 }
 
-enum { AIMS = 10 };
+enum { AIMS = 13 };
 
 /* The same with a fovea that is wider. */
 static struct rnd_aim spread(struct rnd_aim aim, float times)
 {
     aim.spread = times;
+    return aim;
+}
+
+/* The same for a display of so many pixels a degree. */
+static struct rnd_aim shown(struct rnd_aim aim, float pixels_per_degree)
+{
+    aim.pixels_per_degree = pixels_per_degree;
     return aim;
 }
 
@@ -259,6 +292,9 @@ static void make_aims(struct named_aim aims[AIMS])
         {"spread 1", spread(aim_of(20, 10, 0, 90, 90, 0.4, 0.2, -0.9), 1)},
         {"spread 2", spread(aim_of(20, 10, 0, 90, 90, 0.4, 0.2, -0.9), 2)},
         {"spread 4", spread(aim_of(-40, 0, 0, 90, 90, -0.9, 0.1, -0.3), 4)},
+        {"display of 12 a degree", shown(aim_of(20, 10, 0, 90, 90, 0.4, 0.2, -0.9), 12)},
+        {"display of 40, spread 2", shown(spread(aim_of(0, 80, 0, 90, 90, 0.1, 0.9, -0.1), 2), 40)},
+        {"display finer than the eye", shown(aim_of(0, 0, 0, 90, 90, 0, 0, -1), 200)},
     };
     memcpy(aims, made, sizeof made);
 }
@@ -418,7 +454,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(acuity),           cmocka_unit_test(exact_inverse),
         cmocka_unit_test(polynomial_fit),   cmocka_unit_test(polynomial_acuity),
-        cmocka_unit_test(polynomial_draws), cmocka_unit_test(wider),
+        cmocka_unit_test(polynomial_draws), cmocka_unit_test(wider), cmocka_unit_test(capped_by_display),
         cmocka_unit_test(sphere),           cmocka_unit_test(corners),
         cmocka_unit_test(azimuth),          cmocka_unit_test(table),
     };

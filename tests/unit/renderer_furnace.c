@@ -243,6 +243,41 @@ static double metal(double roughness, const char *base, double cone_deg, float r
     return value;
 }
 
+/* An environment that is bright ahead alone, turned to the right: it is seen there, and lights a floor as
+ * much. */
+static void turned_environment(void **state)
+{
+    (void)state;
+    enum { W = 64, H = 32 };
+    float rgb[W * H * 3], seen[2], lit[2];
+    char error[RND_ERROR_SIZE];
+    for (int i = 0; i < W * H; i++)
+        for (int c = 0; c < 3; c++) rgb[3 * i + c] = i % W >= W / 2 - 4 && i % W < W / 2 + 4 ? 5.0f : 0.1f;
+    const char *env = files_path("ahead.exr");
+    if (!rnd_image_write(env, W, H, rgb, true, error)) fail_msg("%s", error);
+    const char *path = files_gltf("floor.gltf", 100, "{\"mesh\":0}",
+                                  "{\"pbrMetallicRoughness\":{\"metallicFactor\":0},\"extensions\":{"
+                                  "\"KHR_materials_specular\":{\"specularFactor\":0}}}",
+                                  "");
+    for (int k = 0; k < 2; k++) {
+        const struct rnd_scene_options options = {.path = path,
+                                                  .env_path = env,
+                                                  .env_azimuth = k ? 90.0f : 0.0f,
+                                                  .has_eye = true,
+                                                  .eye = {0, 1, 0}};
+        struct rnd_scene *scene = rnd_scene_load(&options, error);
+        if (!scene) fail_msg("%s", error);
+        const struct rnd_aim there = k ? files_aim(1, 0.3, 0) : files_aim(0, 0.3, -1),
+                             down = files_aim(0, -1, 0);
+        seen[k] = (float)files_radiance(scene, "fv", 0, 20000, &there, 5, NULL);
+        lit[k] = (float)files_radiance(scene, "fv", 0, 400000, &down, 20, NULL);
+        rnd_scene_destroy(scene);
+    }
+    assert_within("seen ahead", seen[0], 5.0, 1e-3);
+    assert_within("seen to the right", seen[1], 5.0, 1e-3);
+    assert_within("light on the floor", lit[1], lit[0], 0.01);
+}
+
 /* A mirror has its base colour; a white metal returns all light, however rough. */
 static void metals(void **state)
 {
@@ -267,7 +302,7 @@ int main(void)
         cmocka_unit_test(sun_on_plane),       cmocka_unit_test(sun_seen),
         cmocka_unit_test(rectangle_of_light), cmocka_unit_test(punctual),
         cmocka_unit_test(invisible_glass),    cmocka_unit_test(metals),
-        cmocka_unit_test(lamp_behind_glass),
+        cmocka_unit_test(lamp_behind_glass),  cmocka_unit_test(turned_environment),
     };
     return cmocka_run_group_tests_name("renderer_furnace", tests, files_setup, files_teardown);
 }
