@@ -148,14 +148,20 @@ static void cast_shadows(struct rnd_tracer *tracer, uint32_t count)
         const struct rnd_v3 p = rnd_get(&paths->origin, j), wi = rnd_get(&lights->direction, j),
                             normal = rnd_get(&s->geometric, j);
         const float off = offset_of(p, s->distance[j]), side = rnd_v3_dot(wi, normal) >= 0.0f ? off : -off;
+        /* To the very place on the light: as long as from the surface itself, a ray that begins nearer to the
+         * light would end behind it. */
+        const struct rnd_v3 step = rnd_v3_scale(normal, side);
+        const float far = lights->distance[j];
+        const struct rnd_v3 to = far < INFINITY ? rnd_v3_sub(rnd_v3_scale(wi, far), step) : wi;
+        const float length = rnd_larger(sqrtf(rnd_v3_dot(to, to)), 1e-30f);
         tracer->shadow[n] = (struct rnd_shadow){paths->id[j], rnd_clamp_firefly(tracer, radiance)};
-        tracer->shadow_ray[n++] = (struct RTCRay){.org_x = p.x + side * normal.x,
-                                                  .org_y = p.y + side * normal.y,
-                                                  .org_z = p.z + side * normal.z,
-                                                  .dir_x = wi.x,
-                                                  .dir_y = wi.y,
-                                                  .dir_z = wi.z,
-                                                  .tfar = lights->distance[j] * (1.0f - 1e-4f),
+        tracer->shadow_ray[n++] = (struct RTCRay){.org_x = p.x + step.x,
+                                                  .org_y = p.y + step.y,
+                                                  .org_z = p.z + step.z,
+                                                  .dir_x = to.x / length,
+                                                  .dir_y = to.y / length,
+                                                  .dir_z = to.z / length,
+                                                  .tfar = (far < INFINITY ? length : far) * (1.0f - 1e-4f),
                                                   .mask = UINT32_MAX};
     }
     tracer->shadows = n;

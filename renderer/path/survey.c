@@ -41,7 +41,12 @@ static float ask(const struct rnd_scene *scene, int group, const struct rnd_surf
         rnd_luminance(f.raw) / light.pdf * (light.delta ? 1.0f : rnd_power_heuristic(light.pdf, pdf));
     if (!(given > 0.0f)) return 0.0f;
     struct RTCIntersectContext context;
-    struct RTCRay shadow = ray(rnd_leave(surface, to), to, light.distance * (1.0f - 1e-4f));
+    const vec3s from = rnd_leave(surface, to);
+    struct RTCRay shadow = ray(from, to, INFINITY);
+    if (light.distance < INFINITY) { /* to the very place on it, as shadows go in the integrator */
+        const vec3s rest = glms_vec3_sub(glms_vec3_muladds(to, light.distance, p), from);
+        shadow = ray(from, glms_vec3_normalize(rest), glms_vec3_norm(rest) * (1.0f - 1e-4f));
+    }
     rtcInitIntersectContext(&context);
     rtcOccluded1(scene->tree, &context, &shadow);
     return shadow.tfar < 0.0f ? 0.0f : given;

@@ -31,8 +31,9 @@ struct rnd_paths {
     struct rnd_vectors throughput;
     rnd_floats pdf; /* with which the direction was drawn, per steradian; 0: a single direction, which
                        next-event estimation could not have found */
-    rnd_floats width,
-        spread; /* of the cone that the path stands for: m at the origin, and m a metre from there */
+    rnd_floats
+        width; /* m, of the cone that the path stands for: the film's pixels open it, no bounce widens it;
+                  mipmaps as coarse as that would mix what no face shows into the light of a room */
     rnd_words seed, index; /* address of its random numbers */
     rnd_words id;          /* which of the wave's answers is its */
 };

@@ -131,6 +131,22 @@ static void rectangle_of_light(void **state)
     rnd_scene_destroy(scene);
 }
 
+/* The same far from the origin, where floats are coarse: a lamp must not stand in its own light. */
+static void rectangle_far_away(void **state)
+{
+    (void)state;
+    files_text("far.mtl", "newmtl floor\nKd 0.6 0.6 0.6\nnewmtl lamp\nKd 0 0 0\nKe 5 5 5\n");
+    const char *path = files_text(
+        "far.obj", "mtllib far.mtl\nusemtl floor\nv 95 64 -5\nv 105 64 -5\nv 105 64 5\nv 95 64 5\nf 4 3 2 1\n"
+                   "usemtl lamp\nv 99 65.5 -0.5\nv 101 65.5 -0.5\nv 101 65.5 0.5\nv 99 65.5 0.5\nf 5 6 7 8\n");
+    const struct rnd_aim aim = files_aim(0, -1, 0);
+    struct rnd_scene *scene = files_load(path, NULL, NULL, (float[]){100, 64.01f, 0});
+    assert_within("floor below a lamp, 119 m from the origin",
+                  files_radiance(scene, "fv", 0, 100000, &aim, 30, NULL),
+                  0.6 * 5 * 4.0 * corner_form_factor(1 / 1.5, 0.5 / 1.5), 0.003);
+    rnd_scene_destroy(scene);
+}
+
 /* Punctual lights of glTF over a floor of albedo 0.5: intensity / distance^2 at normal incidence, irradiance
  * of a directional one at 60 degrees from the normal, nothing outside of a spot's cone. */
 static void punctual(void **state)
@@ -300,7 +316,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(closed_furnace),     cmocka_unit_test(convex_in_white),
         cmocka_unit_test(sun_on_plane),       cmocka_unit_test(sun_seen),
-        cmocka_unit_test(rectangle_of_light), cmocka_unit_test(punctual),
+        cmocka_unit_test(rectangle_of_light), cmocka_unit_test(rectangle_far_away), cmocka_unit_test(punctual),
         cmocka_unit_test(invisible_glass),    cmocka_unit_test(metals),
         cmocka_unit_test(lamp_behind_glass),  cmocka_unit_test(turned_environment),
     };
