@@ -9,6 +9,7 @@ down slows both.
 import argparse
 import json
 import math
+import operator
 import os
 import statistics
 import subprocess
@@ -19,6 +20,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import cycles_scene  # noqa: E402
 
 DISC_DEG = 5.79
+BAR = 0.01  # means agree when they differ by less, with twice the standard error on top
 REGION_DEG = 100
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 
@@ -50,7 +52,8 @@ def at_least(least):
 
 def parse(arguments):
     parser = Parser(prog="cycles.sh", description=(
-        "Mean radiance and paths a second of fovead and of Blender Cycles: same scene, light and camera, diffuse materials."))
+        "Mean radiance and paths a second of fovead and of Blender Cycles: same scene, light and camera, diffuse "
+        "materials."))
     add = parser.add_argument
     add("--fovead", default="build/release/fovead", metavar="PROGRAM", help="default: build/release/fovead")
     add("--scene", metavar="FILE.gltf", help="default: the shipped hall, with its sky")
@@ -184,19 +187,28 @@ def still_gaze(setup, path):
 
 
 def weights(width, height, setup):
-    """Of the rows, by solid angle, and of the pixels whose middle is within the gaze disc."""
-    azimuth, elevation = map(math.radians, setup.gaze)
-    rows, disc = [], []
+    """Weights of the rows by solid angle; then the pixels whose middle is within the gaze disc, and all: but for those that
+    the sun's own disc may touch, which Cycles does not show to a camera.
+    """
+    def toward(azimuth, elevation):
+        azimuth, elevation = math.radians(azimuth), math.radians(elevation)
+        return math.cos(elevation) * math.sin(azimuth), math.sin(elevation), -math.cos(elevation) * math.cos(azimuth)
+
+    gaze, near = toward(*setup.gaze), math.cos(math.radians(DISC_DEG))
+    sun = toward(*setup.sun[:2]) if setup.sun else None
+    dazzled = math.cos(math.radians(setup.sun[3] / 2 + 360 / width)) if sun else None
+    rows, disc, every = [], [], []
     for y in range(height):
-        latitude = ((y + 0.5) / height - 0.5) * math.pi  # rows go up
-        rows.append(math.cos(latitude))
+        elevation = ((y + 0.5) / height - 0.5) * 180  # rows go up
+        rows.append(math.cos(math.radians(elevation)))
         for x in range(width):
-            longitude = ((x + 0.5) / width - 0.5) * 2 * math.pi
-            dot = (math.sin(latitude) * math.sin(elevation) +
-                   math.cos(latitude) * math.cos(elevation) * math.cos(longitude - azimuth))
-            if dot >= math.cos(math.radians(DISC_DEG)):
+            d = toward(((x + 0.5) / width - 0.5) * 360, elevation)
+            if sun and sum(map(operator.mul, d, sun)) >= dazzled:
+                continue
+            every.append(y * width + x)
+            if sum(map(operator.mul, d, gaze)) >= near:
                 disc.append(y * width + x)
-    return rows, disc
+    return rows, disc, every
 
 
 def mean(pair, width, rows, places):
@@ -215,7 +227,7 @@ def mean(pair, width, rows, places):
             difference += LUMINANCE[c] * (a[4 * i + c] - b[4 * i + c])
         square += (0.5 * weight * difference) ** 2
     rgb = [value / total for value in rgb]
-    return {"rgb": rgb, "luminance": sum(map(lambda l, v: l * v, LUMINANCE, rgb)), "error": math.sqrt(square) / total}
+    return {"rgb": rgb, "luminance": sum(map(operator.mul, LUMINANCE, rgb)), "error": math.sqrt(square) / total}
 
 
 def region(setup, width, degrees):
@@ -228,6 +240,12 @@ def region(setup, width, degrees):
     if left < 0 or right > width:  # it goes round behind
         left, right = 0, width
     return left, right, max(math.floor(y - half_y), 0), min(math.ceil(y + half_y), height)
+
+
+def verdict(difference, error):
+    if abs(difference) + 2 * error <= BAR:
+        return "yes"
+    return "no" if abs(difference) - 2 * error > BAR else "unsure"
 
 
 def compare_part(setup, name, places, rows, part, how, directory):
@@ -247,32 +265,41 @@ def compare_part(setup, name, places, rows, part, how, directory):
         pairs["cycles"].append(cycles_scene.pixels(path))
     ours, theirs = (mean(pairs[who], setup.width, rows, places) for who in ("fovead", "cycles"))
     whole = theirs["luminance"] or math.nan
-    return {"what": name, "fovead": ours, "cycles": theirs, "difference": ours["luminance"] / whole - 1,
-            "error": math.hypot(ours["error"], theirs["error"]) / abs(whole),
+    difference = ours["luminance"] / whole - 1
+    error = math.hypot(ours["error"], theirs["error"]) / whole
+    return {"what": name, "fovead": ours, "cycles": theirs, "difference": difference, "error": error,
+            "agrees": verdict(difference, error),
             "rgb_difference": [a / b - 1 if b else math.nan for a, b in zip(ours["rgb"], theirs["rgb"])]}
 
 
 def compare(setup, directory):
     """The rows of the first table."""
     places = setup.keep or directory
-    rows, disc = weights(setup.width, setup.width // 2, setup)
+    rows, disc, every = weights(setup.width, setup.width // 2, setup)
     viewport = "%.9g" % (2 * DISC_DEG + 2)
     gaze = ["--mode", "vp", "--fov", viewport + "," + viewport, "--gaze", "replay:" + setup.still, "--loop"]
     around = region(setup, setup.width, 2 * DISC_DEG + 1)
     return [compare_part(setup, "disc", disc, rows, around, gaze, places),
-            compare_part(setup, "panorama", range(setup.width * (setup.width // 2)), rows, None, ["--mode", "od"], places)]
+            compare_part(setup, "panorama", every, rows, None, ["--mode", "od"], places)]
 
 
 # --- speed ---
 
 
 def cycles_speed(setup, path, part, spp):
-    """Paths a second between a render of one path a pixel and one of many, so that what is done once does not count;
-    and the paths a pixel that would have filled the turn."""
-    base_paths, base_seconds = cycles_scene.render(setup.race_width, 1, 1, path, part)
+    """Paths a second between a render of one path a pixel and one of many, so that what is done once does not count."""
+    few, few_seconds = cycles_scene.render(setup.race_width, 1, 1, path, part)
     paths, seconds = cycles_scene.render(setup.race_width, 1 + spp, 2, path, part)
-    speed = (paths - base_paths) / max(seconds - base_seconds, 1e-3)
-    return speed, max(1, round(speed * setup.seconds / base_paths))
+    return (paths - few) / max(seconds - few_seconds, 1e-3)
+
+
+def fill_turn(setup, path, part):
+    """The paths a pixel by which Cycles fills a turn: more and more, until the time that they take can be told."""
+    spp, seconds = 1, 0.0
+    while seconds < 0.4 * setup.seconds:
+        spp *= 2
+        seconds = cycles_scene.render(setup.race_width, spp, 1, path, part)[1]
+    return max(1, round(spp * setup.seconds / seconds))
 
 
 def race(setup, directory):
@@ -287,16 +314,17 @@ def race(setup, directory):
     spp = {}
     for name in ("cycles panorama", "cycles region"):
         say("%s, warming up" % name)
-        spp[name] = cycles_speed(setup, path, ways[name], 4)[1]
+        spp[name] = fill_turn(setup, path, ways[name])
     speeds = {name: [] for name in ways}
     for turn in range(setup.turns):
         for name, how in ways.items():
             say("%s, turn %d of %d" % (name, turn + 1, setup.turns))
             if name in spp:
-                speeds[name].append(cycles_speed(setup, path, how, spp[name])[0])
+                speeds[name].append(cycles_speed(setup, path, how, spp[name]))
             else:
                 speeds[name].append(fovead(setup, *how)["paths_per_second"])
-    return [{"what": name, "paths_per_second": statistics.median(values), "turns": values} for name, values in speeds.items()]
+    return [{"what": name, "paths_per_second": statistics.median(values), "turns": values}
+            for name, values in speeds.items()]
 
 
 # --- what is said ---
@@ -311,14 +339,15 @@ def table(setup, triangles, means, speeds):
              (setup.scene, triangles, " and flat" if setup.flat else "", *setup.eye, *setup.gaze),
              "fovead --bounces %d, Cycles %d bounces: %d surfaces a path at most" %
              (setup.bounces, setup.bounces - 1, setup.bounces + 1),
-             "mean radiance (luminance), panorama of %d x %d, two renders each of %g million paths" %
-             (setup.width, setup.width // 2, setup.paths),
-             "%-16s %23s %23s %18s   %s" % ("", "fovead", "Cycles", "difference", "of R, G, B")]
+             "mean radiance (luminance), panorama of %d x %d, two renders each of %g million paths%s" %
+             (setup.width, setup.width // 2, setup.paths, "; without the sun's own disc" if setup.sun else ""),
+             "%-16s %23s %23s %18s   %-24s %s" % ("", "fovead", "Cycles", "difference", "of R, G, B", "within 1 %")]
     for row in means:
         ours, theirs = row["fovead"], row["cycles"]
-        lines.append("%-16s %11.5g +- %-8.2g %11.5g +- %-8.2g %+7.2f +- %.2f %%   %+.2f %+.2f %+.2f %%" % (
-            row["what"], ours["luminance"], ours["error"], theirs["luminance"], theirs["error"],
-            100 * row["difference"], 100 * row["error"], *(100 * d for d in row["rgb_difference"])))
+        lines.append("%-16s %11.5g +- %-8.2g %11.5g +- %-8.2g %+7.2f +- %.2f %%   %-24s %s" % (
+            "gaze disc" if row["what"] == "disc" else row["what"], ours["luminance"], ours["error"],
+            theirs["luminance"], theirs["error"], 100 * row["difference"], 100 * row["error"],
+            "%+.2f %+.2f %+.2f %%" % tuple(100 * d for d in row["rgb_difference"]), row["agrees"]))
     if speeds:
         first = speeds[0]["paths_per_second"]
         lines.append("paths a second, film %d x %d, %d threads each, medians of %d turns of %g s" %
@@ -355,13 +384,14 @@ def measure(arguments, directory, out):
         out.write("\n")
     else:
         out.write(table(setup, triangles, means, speeds) + "\n")
+    return not any(row["agrees"] == "no" for row in means)
 
 
 def main():
     directory, *arguments = sys.argv[sys.argv.index("--") + 1:]
     with os.fdopen(3, "w") as out:  # Blender talks on the standard output
         try:
-            measure(arguments, directory, out)
+            good = measure(arguments, directory, out)
         except cycles_scene.Unreadable as error:
             say(str(error))
             out.flush()
@@ -369,6 +399,7 @@ def main():
         except Exception as error:  # whose trace Blender would print on the standard output
             say("%s: %s" % (type(error).__name__, error))
             os._exit(1)
+    sys.exit(0 if good else 1)
 
 
 main()
