@@ -370,6 +370,8 @@ def measure(arguments, directory, out):
         raise cycles_scene.Unreadable("argument --gaze: expected -180 to 180 and -90 to 90 degrees")
     setup.env = setup.env and os.path.abspath(setup.env)
     setup.keep = setup.keep and os.path.abspath(setup.keep)
+    if setup.keep:
+        os.makedirs(setup.keep, exist_ok=True)
     gltf, setup.rewritten = rewrite(setup.scene, directory, setup.flat)
     setup.eye = setup.eye or first_camera(gltf, setup.scene)
     say("reading %s into Blender" % setup.scene)
