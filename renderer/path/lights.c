@@ -27,6 +27,26 @@ static void choose_groups(struct rnd_tracer *tracer, uint32_t count, uint32_t nu
     }
 }
 
+/* Draw entries of an alias table for the points of a list, by their first two numbers. What one needs of
+ * memory is asked for while others are at it: the table, and then what its entries stand for, size bytes each
+ * from first on. */
+static void draw_entries(struct rnd_tracer *tracer, const struct rnd_alias *alias, const uint32_t *list,
+                         uint32_t count, const void *first, size_t size, uint32_t *out_entry)
+{
+    float(*u)[RND_WAVE] = tracer->number;
+    for (uint32_t k = 0; k < count; k++) {
+        float part;
+        out_entry[k] = rnd_alias_place(alias, u[1][list[k]], u[0][list[k]], &part);
+        u[0][list[k]] = part;
+        __builtin_prefetch(&alias->entry[out_entry[k]]);
+    }
+    for (uint32_t k = 0; k < count; k++) {
+        const struct rnd_alias_entry *entry = &alias->entry[out_entry[k]];
+        if (!(u[0][list[k]] < entry->keep)) out_entry[k] = entry->other;
+        __builtin_prefetch((const char *)first + out_entry[k] * size);
+    }
+}
+
 static void choose_env(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count)
 {
     const struct rnd_lights *lights = &tracer->scene->lights;
@@ -35,18 +55,7 @@ static void choose_env(struct rnd_tracer *tracer, const uint32_t *list, uint32_t
     struct rnd_light_choices *to = &tracer->lights;
     float(*u)[RND_WAVE] = tracer->number;
     uint32_t *texel = tracer->order;
-    for (uint32_t k = 0; k < count; k++) {
-        float part;
-        const uint32_t i = rnd_alias_place(&env->alias, u[1][list[k]], u[0][list[k]], &part);
-        texel[k] = i;
-        u[0][list[k]] = part;
-        __builtin_prefetch(&env->alias.entry[i]);
-    }
-    for (uint32_t k = 0; k < count; k++) {
-        const struct rnd_alias_entry *entry = &env->alias.entry[texel[k]];
-        if (!(u[0][list[k]] < entry->keep)) texel[k] = entry->other;
-        __builtin_prefetch(env->texel[texel[k]]);
-    }
+    draw_entries(tracer, &env->alias, list, count, env->texel, sizeof *env->texel, texel);
     const float choose = lights->choose[RND_LIGHT_ENV];
     for (uint32_t k = 0; k < count; k++) {
         const uint32_t j = list[k];
@@ -81,8 +90,27 @@ static void choose_sun(struct rnd_tracer *tracer, const uint32_t *list, uint32_t
     }
 }
 
-/* Lights that have a place: each is its own. */
-static void choose_near(struct rnd_tracer *tracer, int group, const uint32_t *list, uint32_t count)
+static void choose_area(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count)
+{
+    const struct rnd_lights *lights = &tracer->scene->lights;
+    struct rnd_light_choices *to = &tracer->lights;
+    uint32_t *entry = tracer->order;
+    draw_entries(tracer, &lights->area_alias, list, count, lights->area, sizeof *lights->area, entry);
+    for (uint32_t k = 0; k < count; k++) {
+        const uint32_t j = list[k];
+        const struct rnd_area *area = &lights->area[entry[k]];
+        struct rnd_v3 direction;
+        float s, t;
+        to->pdf[j] = rnd_area_draw(lights, area, rnd_get(&tracer->paths[1].origin, j), tracer->number[2][j],
+                                   tracer->number[3][j], &direction, &to->distance[j], &s, &t);
+        to->delta[j] = 0;
+        if (!(to->pdf[j] > 0.0f)) continue;
+        rnd_put(&to->direction, j, direction);
+        rnd_put(&to->radiance, j, rnd_area_emission(tracer->scene, area, s, t));
+    }
+}
+
+static void choose_punctual(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count)
 {
     struct rnd_light_choices *to = &tracer->lights;
     float(*u)[RND_WAVE] = tracer->number;
@@ -91,7 +119,8 @@ static void choose_near(struct rnd_tracer *tracer, int group, const uint32_t *li
         const float number[4] = {u[0][j], u[1][j], u[2][j], u[3][j]};
         struct rnd_light_sample light;
         to->pdf[j] = 0.0f;
-        if (!rnd_light_draw(tracer->scene, group, rnd_get(&tracer->paths[1].origin, j), number, &light))
+        if (!rnd_light_draw(tracer->scene, RND_LIGHT_PUNCTUAL, rnd_get(&tracer->paths[1].origin, j), number,
+                            &light))
             continue;
         rnd_put(&to->direction, j, light.direction);
         rnd_put(&to->radiance, j, light.radiance);
@@ -107,10 +136,9 @@ void ISA(rnd_choose_lights)(struct rnd_tracer *tracer, uint32_t count)
     rnd_draw_numbers(tracer, RND_DIM_LIGHT, 0, count, tracer->number[0], tracer->number[1]);
     rnd_draw_numbers(tracer, RND_DIM_LIGHT_PLACE, 0, count, tracer->number[2], tracer->number[3]);
     choose_groups(tracer, count, number);
-    if (number[RND_LIGHT_AREA])
-        choose_near(tracer, RND_LIGHT_AREA, tracer->list[RND_LIGHT_AREA], number[RND_LIGHT_AREA]);
+    if (number[RND_LIGHT_AREA]) choose_area(tracer, tracer->list[RND_LIGHT_AREA], number[RND_LIGHT_AREA]);
     if (number[RND_LIGHT_ENV]) choose_env(tracer, tracer->list[RND_LIGHT_ENV], number[RND_LIGHT_ENV]);
     if (number[RND_LIGHT_SUN]) choose_sun(tracer, tracer->list[RND_LIGHT_SUN], number[RND_LIGHT_SUN]);
     if (number[RND_LIGHT_PUNCTUAL])
-        choose_near(tracer, RND_LIGHT_PUNCTUAL, tracer->list[RND_LIGHT_PUNCTUAL], number[RND_LIGHT_PUNCTUAL]);
+        choose_punctual(tracer, tracer->list[RND_LIGHT_PUNCTUAL], number[RND_LIGHT_PUNCTUAL]);
 }

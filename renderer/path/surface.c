@@ -179,12 +179,17 @@ static float roughly_log2(float x)
     return (float)bits * 0x1p-23f - 127.0f;
 }
 
-/* The mipmap level whose texels are half as large as the path's cone where it hit. */
-static int level_of(const struct rnd_texture *texture, float lod, float width, float cosine)
+/* Levels finer than the film asks for that textures are seen at by way of another surface: a coarse texel
+ * there may mix in what no face shows, and its light goes on. */
+#define INDIRECT_FINER 3.0f
+
+/* The mipmap level whose texels are half as large as the path's cone where it hit, or finer by so much. */
+static int level_of(const struct rnd_texture *texture, float lod, float width, float cosine, float finer)
 {
     /* longer by 1 / cosine one way alone: the mean of both */
     const float footprint = rnd_larger(width, 1e-12f) / sqrtf(rnd_larger(cosine, 0.01f));
-    const float level = lod + texture->log2_size + roughly_log2(footprint) - 0.5f; /* -1, and 1/2 to round */
+    const float level =
+        lod + texture->log2_size + roughly_log2(footprint) - finer - 0.5f; /* -1, and 1/2 to round */
     const float last = (float)(texture->levels - 1);
     return (int)rnd_smaller(rnd_larger(level, 0.0f), last);
 }
@@ -207,8 +212,10 @@ static void ask(struct rnd_tracer *tracer, const struct rnd_map *map, uint32_t j
     }
     rnd_dither(paths->seed[j], paths->index[j], (uint32_t)tracer->depth, &r, &t);
     const float cosine = fabsf(rnd_v3_dot(rnd_get(&paths->direction, j), rnd_get(&s->normal, j)));
-    const size_t texel = rnd_texture_pick(texture, map->wrap, x, y,
-                                          level_of(texture, record->lod, s->footprint[j], cosine), r, t);
+    const size_t texel = rnd_texture_pick(
+        texture, map->wrap, x, y,
+        level_of(texture, record->lod, s->footprint[j], cosine, tracer->depth > 0 ? INDIRECT_FINER : 0.0f), r,
+        t);
     tracer->look[(*looks)++] = (struct rnd_look){texture, texel, j};
     __builtin_prefetch(texture->bytes ? (const void *)(texture->bytes + 4 * texel)
                                       : (const void *)(texture->floats + 4 * texel));

@@ -181,38 +181,17 @@ void rnd_lights_finish(struct rnd_lights *lights)
 
 /* --- drawing --- */
 
-/* A triangle seen so nearly from its side gives nothing but rounding: it is not drawn from there. */
-#define LEAST_COSINE 1e-6f
-
-float rnd_area_pdf(const struct rnd_lights *lights, const struct rnd_area *area, struct rnd_v3 direction,
-                   float distance)
-{
-    const struct rnd_v3 twice = rnd_v3_cross(area->e1, area->e2);
-    const float projected = fabsf(rnd_v3_dot(twice, direction)); /* twice the area, times the cosine */
-    if (projected * projected <= LEAST_COSINE * LEAST_COSINE * rnd_v3_dot(twice, twice)) return 0.0f;
-    return lights->choose[RND_LIGHT_AREA] * area->probability * distance * distance / (0.5f * projected);
-}
-
 static bool draw_area(const struct rnd_scene *scene, struct rnd_v3 point, const float u[4],
                       struct rnd_light_sample *out)
 {
     const struct rnd_lights *lights = &scene->lights;
     const struct rnd_area *area = &lights->area[rnd_alias_draw(&lights->area_alias, u[1], u[0])];
-    const float root = sqrtf(u[2]), t = u[3] * root; /* uniform: barycentric weights of the other corners */
-    const float s = 1.0f - root, r = 1.0f - s - t;
-    const struct rnd_v3 p = rnd_v3_muladd(area->e2, r, rnd_v3_muladd(area->e1, t, area->corner)),
-                        to = rnd_v3_sub(p, point);
-    const float square = rnd_v3_dot(to, to);
-    if (!(square > 0.0f)) return false;
-    out->distance = sqrtf(square);
-    out->direction = rnd_v3_scale(to, 1.0f / out->distance);
-    if (rnd_v3_dot(rnd_v3_cross(area->e1, area->e2), out->direction) >= 0.0f &&
-        !(area->flags & RND_AREA_DOUBLE))
-        return false;
-    out->radiance = rnd_area_emission(scene, area, t, r);
-    out->pdf = rnd_area_pdf(lights, area, out->direction, out->distance);
+    float s, t;
+    out->pdf = rnd_area_draw(lights, area, point, u[2], u[3], &out->direction, &out->distance, &s, &t);
     out->delta = false;
-    return isfinite(out->pdf) && out->pdf > 0.0f;
+    if (!(out->pdf > 0.0f)) return false;
+    out->radiance = rnd_area_emission(scene, area, s, t);
+    return true;
 }
 
 static bool draw_env(const struct rnd_lights *lights, const float u[4], struct rnd_light_sample *out)

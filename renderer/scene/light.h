@@ -174,11 +174,44 @@ void rnd_lights_finish(struct rnd_lights *lights);
 bool rnd_light_draw(const struct rnd_scene *scene, int group, struct rnd_v3 point, const float u[4],
                     struct rnd_light_sample *out);
 
-/* Emitted radiance of an emissive triangle at barycentric (u, v) towards a ray of that direction that hit it;
- * and the density with which rnd_light_draw() would have drawn the point, seen from distance. */
+/* Emitted radiance of an emissive triangle at barycentric (u, v). */
 struct rnd_v3 rnd_area_emission(const struct rnd_scene *scene, const struct rnd_area *area, float u, float v);
-float rnd_area_pdf(const struct rnd_lights *lights, const struct rnd_area *area, struct rnd_v3 direction,
-                   float distance);
+
+/* A triangle seen so nearly from its side gives nothing but rounding: it is not drawn from there. */
+#define RND_LEAST_COSINE 1e-6f
+
+/* Density per steradian with which rnd_light_draw() draws the point of a triangle that is seen at a distance
+ * along a direction, choice of group included. */
+RND_INLINE float rnd_area_pdf(const struct rnd_lights *lights, const struct rnd_area *area,
+                              struct rnd_v3 direction, float distance)
+{
+    const struct rnd_v3 twice = rnd_v3_cross(area->e1, area->e2);
+    const float projected = fabsf(rnd_v3_dot(twice, direction)); /* twice the area, times the cosine */
+    const float least = RND_LEAST_COSINE * RND_LEAST_COSINE * rnd_v3_dot(twice, twice);
+    const float pdf = lights->choose[RND_LIGHT_AREA] * area->probability * distance * distance /
+                      (0.5f * rnd_larger(projected, 1e-37f));
+    return projected * projected > least && pdf < INFINITY ? pdf : 0.0f;
+}
+
+/* Draw a point of a triangle as seen from a point, by two numbers in [0,1): its direction, distance and
+ * barycentric coordinates. Returns the density as rnd_area_pdf() does, 0 if the triangle does not shine
+ * there. */
+RND_INLINE float rnd_area_draw(const struct rnd_lights *lights, const struct rnd_area *area,
+                               struct rnd_v3 point, float u, float v, struct rnd_v3 *out_direction,
+                               float *out_distance, float *out_s, float *out_t)
+{
+    const float root = sqrtf(u), s = v * root, t = root - s; /* uniform over the triangle */
+    const struct rnd_v3 p = rnd_v3_muladd(area->e2, t, rnd_v3_muladd(area->e1, s, area->corner)),
+                        to = rnd_v3_sub(p, point);
+    const float distance = sqrtf(rnd_v3_dot(to, to));
+    *out_direction = rnd_v3_scale(to, 1.0f / rnd_larger(distance, 1e-37f));
+    *out_distance = distance;
+    *out_s = s;
+    *out_t = t;
+    const float facing = rnd_v3_dot(rnd_v3_cross(area->e1, area->e2), *out_direction);
+    const int shines = (facing < 0.0f) | ((area->flags & RND_AREA_DOUBLE) != 0);
+    return shines && distance > 0.0f ? rnd_area_pdf(lights, area, *out_direction, distance) : 0.0f;
+}
 
 /* Weight of a direction drawn with density pdf that another way would draw with density other (Veach 1997,
  * power heuristic with exponent 2). */
