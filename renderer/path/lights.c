@@ -106,7 +106,9 @@ static void choose_area(struct rnd_tracer *tracer, const uint32_t *list, uint32_
         to->delta[j] = 0;
         if (!(to->pdf[j] > 0.0f)) continue;
         rnd_put(&to->direction, j, direction);
-        rnd_put(&to->radiance, j, rnd_area_emission(tracer->scene, area, s, t));
+        rnd_put(&to->radiance, j,
+                area->flags & RND_AREA_TEXTURED ? rnd_area_emission(tracer->scene, area, s, t)
+                                                : area->emission);
     }
 }
 

@@ -38,26 +38,6 @@ static void light_matt(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
     }
 }
 
-static void light_metal_rough(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
-{
-    const struct rnd_surfaces *s = &tracer->surfaces;
-    struct rnd_scatters *to = &tracer->scatters;
-#pragma GCC ivdep
-    for (size_t j = begin; j < end; j++) {
-        const struct rnd_v3 wi = rnd_get(&tracer->lights.direction, j);
-        const struct rnd_v3_frame frame = rnd_v3_frame(rnd_get(&s->normal, j));
-        const struct rnd_v3 wo =
-            rnd_v3_scale(rnd_v3_to_local(&frame, rnd_get(&tracer->paths[1].direction, j)), -1.0f);
-        const struct rnd_mr m = rnd_mr(rnd_get(&s->base, j), s->metallic[j], s->alpha[j],
-                                       rnd_v3(s->f0[j], s->f0[j], s->f0[j]), s->f90[j]);
-        struct rnd_v3 f;
-        float pdf;
-        rnd_mr_eval(&m, wo, rnd_v3_to_local(&frame, wi), &f, &pdf);
-        const float above = rnd_v3_dot(wi, rnd_get(&s->geometric, j)) > 0.0f ? 1.0f : 0.0f;
-        rnd_put(&to->brought, j, brought(tracer, j, rnd_v3_scale(f, above), pdf));
-    }
-}
-
 /* --- where paths go on --- */
 
 static void draw_matt(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
@@ -76,23 +56,29 @@ static void draw_matt(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
     }
 }
 
-static void draw_metal_rough(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
+/* Both halves at once: they share what takes most of the work. */
+static void metal_rough(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
 {
     const struct rnd_surfaces *s = &tracer->surfaces;
     struct rnd_scatters *to = &tracer->scatters;
 #pragma GCC ivdep
     for (size_t j = begin; j < end; j++) {
         const struct rnd_v3_frame frame = rnd_v3_frame(rnd_get(&s->normal, j));
+        const struct rnd_v3 geometric = rnd_get(&s->geometric, j),
+                            light = rnd_get(&tracer->lights.direction, j);
         const struct rnd_v3 wo =
             rnd_v3_scale(rnd_v3_to_local(&frame, rnd_get(&tracer->paths[1].direction, j)), -1.0f);
         const struct rnd_mr m = rnd_mr(rnd_get(&s->base, j), s->metallic[j], s->alpha[j],
                                        rnd_v3(s->f0[j], s->f0[j], s->f0[j]), s->f90[j]);
-        struct rnd_v3 local, weight;
-        float pdf;
+        struct rnd_v3 f, local, weight;
+        float light_pdf, pdf;
+        rnd_mr_eval(&m, wo, rnd_v3_to_local(&frame, light), &f, &light_pdf);
         rnd_mr_draw(&m, wo, tracer->number[0][j], tracer->number[1][j], tracer->number[2][j], &local, &weight,
                     &pdf);
         const struct rnd_v3 wi = rnd_v3_to_world(&frame, local);
-        const float above = rnd_v3_dot(wi, rnd_get(&s->geometric, j));
+        const float lit = rnd_v3_dot(light, geometric) > 0.0f ? 1.0f : 0.0f,
+                    above = rnd_v3_dot(wi, geometric);
+        rnd_put(&to->brought, j, brought(tracer, j, rnd_v3_scale(f, lit), light_pdf));
         rnd_put(&to->direction, j, wi);
         rnd_put(&to->weight, j, weight);
         to->pdf[j] = (above > 0.0f) & (pdf > 0.0f) ? pdf : -1.0f;
@@ -229,10 +215,7 @@ uint32_t ISA(rnd_scatter)(struct rnd_tracer *tracer, uint32_t count)
     rnd_draw_numbers(tracer, RND_DIM_LOBE, lobes, count, tracer->number[2], tracer->number[3]);
     light_matt(tracer, 0, end[RND_DIFFUSE]);
     draw_matt(tracer, 0, end[RND_DIFFUSE]);
-    if (end[RND_METAL_ROUGH] > end[RND_DIFFUSE]) {
-        light_metal_rough(tracer, end[RND_DIFFUSE], end[RND_METAL_ROUGH]);
-        draw_metal_rough(tracer, end[RND_DIFFUSE], end[RND_METAL_ROUGH]);
-    }
+    metal_rough(tracer, end[RND_DIFFUSE], end[RND_METAL_ROUGH]);
     rich(tracer, end[RND_METAL_ROUGH], end[RND_RICH]);
     cast_shadows(tracer, count);
     weigh(tracer, count);
