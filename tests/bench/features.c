@@ -103,6 +103,7 @@ static struct rnd_scene *load(const char *directory, const struct feature *f, in
         if (room.lamps == ROOM_ALL) room.lamps = way == UNUSED ? ROOM_UNUSED : ROOM_NOTHING;
         room.instances = false;
         if (!room.look.material) room.parts = ROOM_NOTHING;
+        if (room.parts == ROOM_NOTHING) room.look = (struct room_look){0};
     }
     return room_load(directory, &room, f->sun && way == WITH, out_error);
 }
@@ -115,15 +116,16 @@ struct figures {
     bool same[WAYS];                 /* is its picture, bit for bit, that without the feature? */
 };
 
-static const char help[] = "usage: fovea-bench features [OPTION...]\n"
-                           "What a feature of a scene costs: a small room with it against the same without "
-                           "it; with it in the file but used\n"
-                           "by nothing; and with it on a thing that no ray meets. Exits with 1 if either "
-                           "changes a bit of the picture.\n"
-                           "  --paths N          of each room, four times a turn; default 16384\n"
-                           "  --turns N          medians over so many are printed; default 15\n"
-                           "  --bounces N        default 4; 0: Russian roulette alone\n"
-                           "  --json             one JSON object instead of the table\n";
+static const char help[] =
+    "usage: fovea-bench features [OPTION...]\n"
+    "What a feature of a scene costs: a small room with it against the same without "
+    "it; with it in the file but used\n"
+    "by nothing; and with it on a thing that no ray meets. Exits with 1 if either "
+    "changes a bit of the picture.\n"
+    "  --paths N          of each room, four times a turn; default 16384\n"
+    "  --turns N          medians over so many are printed; default 15, some two minutes\n"
+    "  --bounces N        default 4; 0: Russian roulette alone\n"
+    "  --json             one JSON object instead of the table\n";
 
 static bool parse(int count, char **arguments, struct setup *out)
 {
