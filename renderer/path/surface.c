@@ -181,7 +181,7 @@ static float roughly_log2(float x)
 
 /* Levels finer than the film asks for that textures are seen at by way of another surface: a coarse texel
  * there may mix in what no face shows, and its light goes on. */
-#define INDIRECT_FINER 3.0f
+#define INDIRECT_FINER 5.0f
 
 /* The mipmap level whose texels are half as large as the path's cone where it hit, or finer by so much. */
 static int level_of(const struct rnd_texture *texture, float lod, float width, float cosine, float finer)

@@ -13,7 +13,10 @@ static const struct {
     int (*run)(int count, char **arguments);
 } measurement[] = {
     {"converge", "time until the gaze disc reaches a given error, for every distribution", bench_converge},
+    {"features", "what each feature of a scene costs, and that it costs nothing where it is absent",
+     bench_features},
     {"foveation", "angle between true gaze and what is rendered for; onset of saccades", bench_foveation},
+    {"sampling", "error of the renderer's points against that of independent random numbers", bench_sampling},
     {"startup", "time to the first coarse picture, and memory of a film pixel", bench_startup},
     {"throughput", "paths and rays a second, against Embree alone with the same rays", bench_throughput},
 };

@@ -9,7 +9,9 @@
 
 /* arguments as main's, from the measurement's name on; returns the exit code. */
 int bench_converge(int count, char **arguments);
+int bench_features(int count, char **arguments);
 int bench_foveation(int count, char **arguments);
+int bench_sampling(int count, char **arguments);
 int bench_startup(int count, char **arguments);
 int bench_throughput(int count, char **arguments);
 

@@ -1,0 +1,346 @@
+/* What each thing that a scene can have costs where it is, and that it costs nothing where it is not: a small
+ * room with it, against the same room without it, with it in the file alone, and with it where no ray comes.
+ * Each is traced the same paths in turns, by one thread, in time of its processor, since the machine may have
+ * other work. */
+#include "bench.h"
+#include "renderer.h"
+#include "room.h"
+
+#include <getopt.h>
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { MAX_TURNS = 99, WIDTH = 256, HEIGHT = WIDTH / 2, BATCH = 4096, ROUNDS = 4 };
+
+struct setup {
+    int paths, turns, bounces;
+    bool json;
+};
+
+/* The rooms of a feature. */
+enum { WITHOUT, WITH, UNUSED, HIDDEN, WAYS };
+
+struct feature {
+    const char *name, *against;
+    struct room room;       /* with it */
+    enum room_parts before; /* parts that have the look without it */
+    bool sun;
+    bool unused, hidden; /* can it be in the file alone, and where no ray comes? */
+};
+
+/* --- features --- */
+
+#define MATT(MORE)                                                                                           \
+    "{'pbrMetallicRoughness':{'metallicFactor':0" MORE                                                       \
+    "},'extensions':{'KHR_materials_specular':{'specularFactor':0}}"
+#define GREY                 ",'baseColorFactor':[0.7,0.7,0.7,1]"
+#define PAINTED              ",'baseColorTexture':{'index':0}"
+#define DIFFUSE              MATT(GREY) "}"
+#define GLOSSY               "{'pbrMetallicRoughness':{'metallicFactor':0.2,'roughnessFactor':0.5" GREY "}"
+#define EXTENDED(EXTENSIONS) GLOSSY ",'extensions':{" EXTENSIONS "}}"
+#define GLOWING              MATT(GREY) ",'emissiveFactor':[8,8,8]}"
+#define MATERIAL(PLAIN, LOOK)                                                                                \
+    .room = {.plain = PLAIN, .look = {.material = LOOK}, .parts = ROOM_ALL}, .unused = true, .hidden = true
+#define WHOLE(...) .room = {.plain = DIFFUSE, __VA_ARGS__}
+
+static const struct feature feature[] = {
+    {"nothing, loaded twice", "diffuse", WHOLE(.instances = false)},
+    {"base colour texture", "diffuse", MATERIAL(DIFFUSE, MATT(PAINTED) "}")},
+    {"texture transform", "base colour texture",
+     MATERIAL(MATT(PAINTED) "}", MATT(",'baseColorTexture':{'index':0,'extensions':{'KHR_texture_transform':"
+                                      "{'rotation':0.5,'scale':[1.1,0.9]}}}") "}")},
+    {"vertex colours", "diffuse", .room = {.plain = DIFFUSE, .look = {DIFFUSE, true}, .parts = ROOM_ALL},
+     .unused = true, .hidden = true},
+    {"alpha mask", "base colour texture", MATERIAL(MATT(PAINTED) "}", MATT(PAINTED) ",'alphaMode':'MASK'}")},
+    {"alpha blend", "diffuse",
+     MATERIAL(DIFFUSE, MATT(",'baseColorFactor':[0.7,0.7,0.7,0.5]") ",'alphaMode':'BLEND'}")},
+    {"unlit", "diffuse", MATERIAL(DIFFUSE, "{'extensions':{'KHR_materials_unlit':{}}}")},
+    {"metal and roughness", "diffuse", MATERIAL(DIFFUSE, GLOSSY "}")},
+    {"metal-rough map", "metal and roughness",
+     MATERIAL(GLOSSY "}", "{'pbrMetallicRoughness':{'metallicRoughnessTexture':{'index':1}" GREY "}}")},
+    {"normal map", "metal and roughness", MATERIAL(GLOSSY "}", GLOSSY ",'normalTexture':{'index':2}}")},
+    {"clearcoat", "metal and roughness",
+     MATERIAL(GLOSSY "}",
+              EXTENDED("'KHR_materials_clearcoat':{'clearcoatFactor':1,'clearcoatRoughnessFactor':0.1}"))},
+    {"sheen", "metal and roughness",
+     MATERIAL(
+         GLOSSY "}",
+         EXTENDED("'KHR_materials_sheen':{'sheenColorFactor':[0.5,0.5,0.5],'sheenRoughnessFactor':0.4}"))},
+    {"transmission, thin", "metal and roughness",
+     MATERIAL(GLOSSY "}", EXTENDED("'KHR_materials_transmission':{'transmissionFactor':0.8}"))},
+    {"glass with volume, balls", "metal and roughness",
+     .room = {.plain = GLOSSY "}",
+              .look = {"{'pbrMetallicRoughness':{'metallicFactor':0,'roughnessFactor':0},'extensions':{"
+                       "'KHR_materials_transmission':{'transmissionFactor':1},'KHR_materials_volume':{"
+                       "'thicknessFactor':0.8,'attenuationDistance':1,'attenuationColor':[0.5,0.8,0.9]}}}",
+                       false},
+              .parts = ROOM_BALLS},
+     .unused = true, .hidden = true},
+    {"emission, 12 triangles", "diffuse",
+     .room = {.plain = DIFFUSE, .look = {GLOWING, false}, .parts = ROOM_PANEL}, .unused = true},
+    {"emission, 10000 triangles", "12 triangles",
+     .room = {.plain = DIFFUSE, .look = {GLOWING, false}, .parts = ROOM_MESHED_PANEL}, .before = ROOM_PANEL},
+    {"sun", "diffuse", WHOLE(.instances = false), .sun = true},
+    {"three punctual lights", "diffuse", WHOLE(.lamps = ROOM_ALL), .unused = true},
+    {"16 balls of one mesh", "16 meshes", WHOLE(.instances = true)},
+};
+enum { FEATURES = sizeof feature / sizeof *feature };
+
+static bool is_there(const struct feature *f, int way)
+{
+    return way == UNUSED ? f->unused : way == HIDDEN ? f->hidden : true;
+}
+
+static struct rnd_scene *load(const char *directory, const struct feature *f, int way, char *out_error)
+{
+    struct room room = f->room;
+    if (way != WITH) {
+        room.parts = way == WITHOUT ? f->before : way == UNUSED ? ROOM_UNUSED : ROOM_HIDDEN;
+        if (room.lamps == ROOM_ALL) room.lamps = way == UNUSED ? ROOM_UNUSED : ROOM_NOTHING;
+        room.instances = false;
+        if (!room.look.material) room.parts = ROOM_NOTHING;
+        if (room.parts == ROOM_NOTHING) room.look = (struct room_look){0};
+    }
+    return room_load(directory, &room, f->sun && way == WITH, out_error);
+}
+
+/* --- measurement --- */
+
+struct figures {
+    double seconds[WAYS][MAX_TURNS]; /* of a processor, of all paths */
+    double rays[WAYS];               /* of all paths; the same in every turn */
+    bool same[WAYS];                 /* is its picture, bit for bit, that without the feature? */
+};
+
+static const char help[] =
+    "usage: fovea-bench features [OPTION...]\n"
+    "What a feature of a scene costs: a small room with it against the same without "
+    "it; with it in the file but used\n"
+    "by nothing; and with it on a thing that no ray meets. Exits with 1 if either "
+    "changes a bit of the picture.\n"
+    "  --paths N          of each room, four times a turn; default 16384\n"
+    "  --turns N          medians over so many are printed; default 15, some two minutes\n"
+    "  --bounces N        default 4; 0: Russian roulette alone\n"
+    "  --json             one JSON object instead of the table\n";
+
+static bool parse(int count, char **arguments, struct setup *out)
+{
+    static const struct option option[] = {
+        {"paths", 1, NULL, 'p'}, {"turns", 1, NULL, 't'}, {"bounces", 1, NULL, 'b'},
+        {"json", 0, NULL, 'j'},  {"help", 0, NULL, 'h'},  {0},
+    };
+    *out = (struct setup){.paths = 16384, .turns = 15, .bounces = 4};
+    for (int c; (c = getopt_long(count, arguments, "", option, NULL)) != -1;) {
+        bool ok = true;
+        if (c == 'p') {
+            ok = sscanf(optarg, "%d", &out->paths) == 1 && out->paths >= 1;
+        } else if (c == 't') {
+            ok = sscanf(optarg, "%d", &out->turns) == 1 && out->turns >= 1 && out->turns <= MAX_TURNS;
+        } else if (c == 'b') {
+            ok = sscanf(optarg, "%d", &out->bounces) == 1 && out->bounces >= 0;
+        } else if (c == 'j') {
+            out->json = true;
+        } else if (c == 'h') {
+            fputs(help, stdout);
+            exit(0);
+        } else {
+            return false;
+        }
+        if (!ok) return bench_refuse();
+    }
+    return true;
+}
+
+/* All paths once more, from an empty film on: the same every time. */
+static double trace(struct rnd_render *render, const struct rnd_scene *scene, const struct setup *setup,
+                    double *out_rays)
+{
+    const struct rnd_aim aim = {.gaze = {0, 0, -1}, .view = {0, 0, 0, 1}, .fov = {1.7f, 1.7f}};
+    struct timespec start, end;
+    rnd_render_restart(render, scene, rnd_scene_info(scene)->eye);
+    *out_rays = 0;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &start);
+    for (int left = setup->paths; left > 0; left -= BATCH) {
+        struct rnd_batch batch;
+        rnd_render_batch(render, &aim, 0, (uint32_t)(left < BATCH ? left : BATCH), &batch);
+        *out_rays += (double)batch.rays;
+    }
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &end);
+    return (double)(end.tv_sec - start.tv_sec) + 1e-9 * (double)(end.tv_nsec - start.tv_nsec);
+}
+
+/* Do the pictures agree in every bit, and have the same paths been taken? */
+static bool agree(struct rnd_render *a, struct rnd_render *b)
+{
+    static float picture[2][WIDTH * HEIGHT * 3];
+    rnd_render_resolve(a, picture[0], NULL, NULL);
+    rnd_render_resolve(b, picture[1], NULL, NULL);
+    return memcmp(picture[0], picture[1], sizeof picture[0]) == 0;
+}
+
+/* A turn: the rooms are read anew, each in each other's place in memory, and traced in turns. */
+static bool measure(const char *directory, const struct feature *f, const struct setup *setup, int turn,
+                    struct figures *to)
+{
+    char error[RND_ERROR_SIZE];
+    const struct rnd_render_options options = {.width = WIDTH,
+                                               .height = HEIGHT,
+                                               .threads = 1,
+                                               .max_bounces = setup->bounces,
+                                               .distribution = rnd_distribution_find("od")};
+    struct rnd_scene *scene[WAYS] = {0};
+    struct rnd_render *render[WAYS] = {0};
+    bool ok = true;
+    for (int i = 0; ok && i < WAYS; i++) {
+        const int w = (turn + i) % WAYS;
+        if (!is_there(f, w)) continue;
+        scene[w] = load(directory, f, w, error);
+        render[w] = scene[w] ? rnd_render_create(scene[w], &options, error) : NULL;
+        ok = render[w] != NULL;
+        if (ok) trace(render[w], scene[w], setup, &to->rays[w]); /* once before the clock counts */
+    }
+    if (!ok) fprintf(stderr, "fovea-bench: %s: %s\n", f->name, error);
+    for (int r = 0; ok && r < ROUNDS; r++)
+        for (int i = 0; i < WAYS; i++) {
+            const int w = (turn + (r % 2 ? WAYS - 1 - i : i)) % WAYS; /* each after each other one */
+            if (render[w]) to->seconds[w][turn] += trace(render[w], scene[w], setup, &to->rays[w]) / ROUNDS;
+        }
+    for (int w = 0; ok && w < WAYS; w++) to->same[w] = render[w] && agree(render[WITHOUT], render[w]);
+    for (int w = 0; w < WAYS; w++) {
+        rnd_render_destroy(render[w]);
+        rnd_scene_destroy(scene[w]);
+    }
+    return ok;
+}
+
+/* --- results --- */
+
+struct cost {
+    double percent, error; /* more time than without the feature; standard error of that */
+};
+
+/* The median of what each turn says, with the error of a median whose values are spread as a normal
+ * distribution with their median deviation. */
+static struct cost cost(const struct figures *f, const struct setup *setup, int way)
+{
+    double more[MAX_TURNS], deviation[MAX_TURNS];
+    for (int t = 0; t < setup->turns; t++) more[t] = 100 * (f->seconds[way][t] / f->seconds[WITHOUT][t] - 1);
+    const double median = bench_median(more, setup->turns);
+    for (int t = 0; t < setup->turns; t++) deviation[t] = fabs(more[t] - median);
+    return (struct cost){median,
+                         1.4826 * 1.2533 * bench_median(deviation, setup->turns) / sqrt(setup->turns)};
+}
+
+/* The same for a ray, %. */
+static double cost_of_ray(const struct figures *f, const struct setup *setup)
+{
+    return (100 + cost(f, setup, WITH).percent) * f->rays[WITHOUT] / f->rays[WITH] - 100;
+}
+
+static json_t *cost_json(struct cost c)
+{
+    return json_pack("{s:f,s:f}", "percent", c.percent, "standard_error", c.error);
+}
+
+static void print_json(const struct setup *setup, const struct figures *figures)
+{
+    json_t *rows = json_array();
+    for (int i = 0; i < FEATURES; i++) {
+        const struct figures *f = &figures[i];
+        json_t *row = json_pack("{s:s,s:s,s:f,s:f,s:o,s:f}", "feature", feature[i].name, "against",
+                                feature[i].against, "paths_per_processor_second",
+                                setup->paths / bench_median(f->seconds[WITH], setup->turns), "rays_per_path",
+                                f->rays[WITH] / setup->paths, "cost", cost_json(cost(f, setup, WITH)),
+                                "cost_of_ray_percent", cost_of_ray(f, setup));
+        if (feature[i].unused) json_object_set_new(row, "unused", cost_json(cost(f, setup, UNUSED)));
+        if (feature[i].hidden) json_object_set_new(row, "unseen", cost_json(cost(f, setup, HIDDEN)));
+        json_array_append_new(rows, row);
+    }
+    json_t *root = json_pack("{s:i,s:i,s:i,s:o}", "paths", setup->paths, "turns", setup->turns, "bounces",
+                             setup->bounces, "rows", rows);
+    json_dumpf(root, stdout, JSON_INDENT(1) | JSON_REAL_PRECISION(6));
+    putchar('\n');
+    json_decref(root);
+}
+
+static void print_cost(const struct figures *f, const struct setup *setup, bool there, int way)
+{
+    const struct cost c = cost(f, setup, way);
+    if (there)
+        printf("  %+6.1f +-%4.1f", c.percent, c.error);
+    else
+        printf("  %13s", "");
+}
+
+static void print_table(const struct setup *setup, const struct figures *figures)
+{
+    printf("a small room, one thread, %d bounces, 4 times %d paths a turn, medians of %d turns and their "
+           "standard "
+           "errors\n",
+           setup->bounces, setup->paths, setup->turns);
+    printf("%-26s %-20s %11s %9s %23s  %28s\n%-26s %-20s %11s %9s  %13s %8s  %13s  %13s\n", "", "",
+           "Mpaths/s of", "", "it costs, %", "it costs where it is not, %", "feature", "against",
+           "a processor", "rays/path", "of a path", "of a ray", "unused", "unseen");
+    for (int i = 0; i < FEATURES; i++) {
+        const struct figures *f = &figures[i];
+        printf("%-26s %-20s %11.3f %9.2f", feature[i].name, feature[i].against,
+               1e-6 * setup->paths / bench_median(f->seconds[WITH], setup->turns),
+               f->rays[WITH] / setup->paths);
+        print_cost(f, setup, true, WITH);
+        printf(" %+8.1f", cost_of_ray(f, setup));
+        print_cost(f, setup, feature[i].unused, UNUSED);
+        print_cost(f, setup, feature[i].hidden, HIDDEN);
+        putchar('\n');
+    }
+    printf("unused: in the file, on nothing in the scene. unseen: on a ball that no ray meets. Their "
+           "pictures are the\n"
+           "same bit for bit as without it. The first row says what is noise.\n");
+}
+
+static bool complain(const struct feature *f, const char *what)
+{
+    fprintf(stderr, "fovea-bench: %s %s\n", f->name, what);
+    return false;
+}
+
+/* Whether what is absent leaves the picture alone, and what is there does not. */
+static bool judge(const struct figures *figures)
+{
+    bool ok = true;
+    for (int i = 0; i < FEATURES; i++) {
+        const struct feature *f = &feature[i];
+        const bool *same = figures[i].same, shows = f->room.look.material || f->room.lamps || f->sun;
+        if (f->unused && !same[UNUSED]) ok = complain(f, "changes the picture though nothing uses it");
+        if (f->hidden && !same[HIDDEN]) ok = complain(f, "changes the picture though no ray meets it");
+        if (shows && same[WITH]) ok = complain(f, "does not change the picture");
+    }
+    return ok;
+}
+
+int bench_features(int count, char **arguments)
+{
+    static struct figures figures[FEATURES];
+    struct setup setup;
+    char directory[] = "/tmp/fovea-bench-XXXXXX", error[RND_ERROR_SIZE];
+    if (!parse(count, arguments, &setup)) return 2;
+    if (!mkdtemp(directory)) {
+        fprintf(stderr, "fovea-bench: no directory can be made in /tmp\n");
+        return 1;
+    }
+    bool ok = room_prepare(directory, error);
+    if (!ok) fprintf(stderr, "fovea-bench: %s\n", error);
+    for (int t = 0; ok && t < setup.turns; t++)
+        for (int i = 0; ok && i < FEATURES; i++) {
+            fprintf(stderr, "\rturn %d of %d, %-30s", t + 1, setup.turns, feature[i].name);
+            ok = measure(directory, &feature[i], &setup, t, &figures[i]);
+        }
+    fprintf(stderr, "\r%60s\r", "");
+    room_remove(directory);
+    ok = ok && judge(figures);
+    if (ok) (setup.json ? print_json : print_table)(&setup, figures);
+    return ok ? 0 : 1;
+}
