@@ -1,0 +1,148 @@
+/* Lights by themselves: what is drawn of them follows the density stated, which integrates to one; and a
+ * sphere of light gives what its closed form says. */
+#include "renderer_files.h"
+#include "scene/scene.h"
+#include "statistics.h"
+
+static const char floor_obj[] =
+    "mtllib f.mtl\nusemtl floor\nv -9 0 -9\nv 9 0 -9\nv 9 0 9\nv -9 0 9\nf 4 3 2 1\n";
+
+enum { ROWS = 24, COLUMNS = 48, CELLS = ROWS * COLUMNS, DRAWS = 400000 };
+
+static int cell_of(struct rnd_v3 d)
+{
+    float u, v;
+    rnd_v3_to_uv(d, &u, &v);
+    const int x = (int)(u * COLUMNS), y = (int)(v * ROWS);
+    return (y < ROWS ? y : ROWS - 1) * COLUMNS + (x < COLUMNS ? x : COLUMNS - 1);
+}
+
+/* An environment of three orders of magnitude, turned: the stated density integrates to one over the sphere,
+ * draws follow it, and the radiance over density of what is drawn has the mean of the map. */
+static void environment(void **state)
+{
+    (void)state;
+    enum { W = 96, H = 48, PARTS = 24 };
+    static float rgb[W * H * 3];
+    static double mass[CELLS], count[CELLS];
+    char error[RND_ERROR_SIZE];
+    double mean = 0.0;
+    for (int i = 0; i < W * H; i++) {
+        const float value = powf(10.0f, 3.0f * stat_uniform(1, (uint32_t)i) - 2.0f) +
+                            (i % W == 17 && i / W == 9 ? 500.0f : 0);
+        for (int c = 0; c < 3; c++) rgb[3 * i + c] = value;
+        mean += value * sin(M_PI * (i / W + 0.5) / H);
+    }
+    files_text("f.mtl", "newmtl floor\nKd 0.5 0.5 0.5\n");
+    assert_true(rnd_image_write(files_path("env.hdr"), W, H, rgb, true, error));
+    const struct rnd_scene_options options = {
+        .path = files_text("f.obj", floor_obj), .env_path = files_path("env.hdr"), .env_azimuth = 33.0f};
+    struct rnd_scene *scene = rnd_scene_load(&options, error);
+    if (!scene) fail_msg("%s", error);
+    const struct rnd_env *env = scene->lights.env;
+    assert_true(scene->lights.choose[RND_LIGHT_ENV] == 1.0f);
+
+    double sum = 0.0, all = 0.0, given = 0.0;
+    for (int cell = 0; cell < CELLS; cell++) {
+        for (int k = 0; k < PARTS * PARTS; k++) {
+            const double u = (cell % COLUMNS + (k % PARTS + 0.5) / PARTS) / COLUMNS,
+                         v = (cell / COLUMNS + (k / PARTS + 0.5) / PARTS) / ROWS;
+            float pdf;
+            const struct rnd_v3 d = rnd_v3_from_uv((float)u, (float)v),
+                                radiance = rnd_env_radiance(env, d, &pdf);
+            const double area = sin(M_PI * v) * 2.0 * M_PI * M_PI / ((double)CELLS * PARTS * PARTS);
+            mass[cell] += pdf * area;
+            all += radiance.x * area;
+        }
+        sum += mass[cell];
+    }
+    mean *= 4.0 * M_PI * M_PI / (2.0 * W * H);
+    print_message("density integrates to %.5f, radiance to %.2f of %.2f\n", sum, all, mean);
+    assert_float_equal(sum, 1.0, 2e-3);
+    assert_true(fabs(all / mean - 1.0) < 2e-2);
+    for (uint32_t i = 0; i < DRAWS; i++) {
+        const float u[4] = {stat_uniform(2, i), stat_uniform(3, i), stat_uniform(4, i), stat_uniform(5, i)};
+        struct rnd_light_sample light;
+        assert_true(rnd_light_draw(scene, RND_LIGHT_ENV, rnd_v3(0, 1, 0), u, &light));
+        count[cell_of(light.direction)]++;
+        given += light.radiance.x / light.pdf / DRAWS;
+    }
+    for (int i = 0; i < CELLS; i++) mass[i] *= DRAWS / sum;
+    const double p = stat_chi_square_p(count, mass, CELLS);
+    print_message("p %.3f; radiance over density %.3f of the integral\n", p, given / all);
+    assert_true(p > 0.001);
+    assert_true(fabs(given / all - 1.0) < 0.01);
+    rnd_scene_destroy(scene);
+}
+
+/* A triangle seen from a point: draws fall within its solid angle as its density says, and the mean of one
+ * over the density is that angle (Van Oosterom and Strackee 1983). */
+static void triangle(void **state)
+{
+    (void)state;
+    files_text("t.mtl", "newmtl lamp\nKd 0 0 0\nKe 3 3 3\n");
+    struct rnd_scene *scene = files_load(
+        files_text("t.obj", "mtllib t.mtl\nusemtl lamp\nv 1 2 -1\nv -1 1.5 -2\nv 0.5 3 -0.5\nf 1 2 3\n"),
+        NULL, NULL, NULL);
+    const double a[3] = {1, 2, -1}, b[3] = {-1, 1.5, -2}, c[3] = {0.5, 3, -0.5};
+    double la = 0, lb = 0, lc = 0, ab = 0, bc = 0, ca = 0;
+    for (int k = 0; k < 3; k++)
+        la += a[k] * a[k], lb += b[k] * b[k], lc += c[k] * c[k], ab += a[k] * b[k], bc += b[k] * c[k],
+            ca += c[k] * a[k];
+    la = sqrt(la), lb = sqrt(lb), lc = sqrt(lc);
+    const double volume = a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) +
+                          a[2] * (b[0] * c[1] - b[1] * c[0]);
+    const double expected = 2.0 * atan2(fabs(volume), la * lb * lc + ab * lc + bc * la + ca * lb);
+    double angle = 0.0;
+    for (uint32_t i = 0; i < DRAWS; i++) {
+        const float u[4] = {stat_uniform(6, i), stat_uniform(7, i), stat_uniform(8, i), stat_uniform(9, i)};
+        struct rnd_light_sample light;
+        assert_true(rnd_light_draw(scene, RND_LIGHT_AREA, rnd_v3(0, 0, 0), u, &light));
+        assert_float_equal(
+            rnd_area_pdf(&scene->lights, &scene->lights.area[0], light.direction, light.distance) / light.pdf,
+            1, 1e-5);
+        angle += 1.0 / light.pdf / DRAWS;
+    }
+    print_message("solid angle %.5f of %.5f sr\n", angle, expected);
+    assert_true(fabs(angle / expected - 1.0) < 0.005);
+    rnd_scene_destroy(scene);
+}
+
+/* A floor below a sphere of light of radius r, its middle at height h: irradiance pi L (r / h)^2 (Lambert
+ * 1760). */
+static void sphere_of_light(void **state)
+{
+    (void)state;
+    enum { AROUND = 96, DOWN = 48 };
+    static char text[400000];
+    files_text("s.mtl", "newmtl floor\nKd 0.6 0.6 0.6\nnewmtl lamp\nKd 0 0 0\nKe 5 5 5\n");
+    size_t n = (size_t)sprintf(
+        text, "mtllib s.mtl\nusemtl floor\nv -9 0 -9\nv 9 0 -9\nv 9 0 9\nv -9 0 9\nf 4 3 2 1\nusemtl lamp\n");
+    /* as large as makes the facets' volume that of the ball of radius 0.5 */
+    const double ring = 2 * M_PI / AROUND,
+                 r = 0.5 * pow(ring / sin(ring) * (M_PI / DOWN) / sin(M_PI / DOWN), 1.0 / 3);
+    for (int i = 0; i <= DOWN; i++)
+        for (int k = 0; k < AROUND; k++)
+            n += (size_t)sprintf(text + n, "v %.9g %.9g %.9g\n", r * sin(M_PI * i / DOWN) * sin(k * ring),
+                                 2 + r * cos(M_PI * i / DOWN), r * sin(M_PI * i / DOWN) * cos(k * ring));
+    for (int i = 0; i < DOWN; i++)
+        for (int k = 0; k < AROUND; k++) {
+            const int a = 4 + i * AROUND + k + 1, b = 4 + i * AROUND + (k + 1) % AROUND + 1;
+            if (i > 0) n += (size_t)sprintf(text + n, "f %d %d %d\n", a, b + AROUND, b);
+            if (i < DOWN - 1) n += (size_t)sprintf(text + n, "f %d %d %d\n", a, a + AROUND, b + AROUND);
+        }
+    struct rnd_scene *scene = files_load(files_text("s.obj", text), NULL, NULL, (float[]){0, 0.01f, 0});
+    const struct rnd_aim aim = files_aim(0, -1, 0);
+    const double expected = 0.6 * 5 * 0.25 * 0.25,
+                 value = files_radiance(scene, "fv", 0, 400000, &aim, 30, NULL);
+    print_message("floor below a sphere of light: %.5f of %.5f\n", value, expected);
+    assert_true(fabs(value / expected - 1.0) < 0.01);
+    rnd_scene_destroy(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(environment), cmocka_unit_test(triangle),
+                                       cmocka_unit_test(sphere_of_light)};
+    return cmocka_run_group_tests_name("renderer_light", tests, files_setup, files_teardown);
+}
