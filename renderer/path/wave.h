@@ -29,11 +29,12 @@ struct rnd_vectors {
 struct rnd_paths {
     struct rnd_vectors origin, direction; /* of the ray; at a surface, origin is the point that was hit */
     struct rnd_vectors throughput;
-    rnd_floats pdf; /* with which the direction was drawn, per steradian; 0: a single direction, which
-                       next-event estimation could not have found */
-    rnd_floats
-        width; /* m, of the cone that the path stands for: the film's pixels open it, no bounce widens it;
-                  mipmaps as coarse as that would mix what no face shows into the light of a room */
+    /* With which the direction was drawn, per steradian; 0: a single direction, which next-event estimation
+     * could not have found. */
+    rnd_floats pdf;
+    /* Of the cone that the path stands for, m: the film's pixels open it, and no bounce widens it. Mipmaps as
+     * coarse as that would mix what no face shows into the light of a room. */
+    rnd_floats width;
     rnd_words seed, index; /* address of its random numbers */
     rnd_words id;          /* which of the wave's answers is its */
 };
@@ -41,8 +42,7 @@ struct rnd_paths {
 /* What rays hit, in the order of the paths that they belong to. */
 struct rnd_hits {
     rnd_floats distance, u, v;
-    struct rnd_vectors
-        normal; /* of the triangle, of any length: its outside is where the vertices turn left */
+    struct rnd_vectors normal; /* of the triangle, of any length; outside is where the vertices turn left */
     rnd_words geometry, primitive, instance;
 };
 
@@ -191,7 +191,7 @@ void rnd_occlude(struct rnd_tracer *tracer);
 uint32_t ISA(rnd_surface)(struct rnd_tracer *tracer, uint32_t count);
 void ISA(rnd_emission)(struct rnd_tracer *tracer, uint32_t count);
 
-/* light.c: choose a light for each point of paths 1. */
+/* lights.c: choose a light for each point of paths 1. */
 void ISA(rnd_choose_lights)(struct rnd_tracer *tracer, uint32_t count);
 
 /* scatter.c: what of the lights is scattered towards the eye: shadow rays; and where the paths of paths 1 go
