@@ -22,4 +22,5 @@ if(NOT SANITIZE)
     add_test(NAME e2e_${name} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/e2e/${name}.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
     set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" TIMEOUT 1200 RUN_SERIAL ON SKIP_RETURN_CODE 77)
   endforeach()
+  set_tests_properties(e2e_golden PROPERTIES RUN_SERIAL OFF) # it asks for paths, not for time
 endif()
