@@ -27,14 +27,6 @@ static inline void rnd_to_uv(vec3s d, float *out_u, float *out_v)
     *out_v = 0.5f - asinf(fmaxf(-1.0f, fminf(1.0f, d.y))) * (float)(1.0 / M_PI);
 }
 
-/* Two unit vectors that make an orthonormal right-handed frame with n (Duff et al. 2017). */
-static inline void rnd_frame(vec3s n, vec3s *out_x, vec3s *out_y)
-{
-    const float sign = copysignf(1.0f, n.z), a = -1.0f / (sign + n.z), b = n.x * n.y * a;
-    *out_x = (vec3s){{1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x}};
-    *out_y = (vec3s){{b, sign + n.y * n.y * a, -n.y}};
-}
-
 /* Angle between unit vectors, rad: exact for small angles too, where acos is not. */
 static inline float rnd_angle(vec3s a, vec3s b)
 {

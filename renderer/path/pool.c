@@ -77,11 +77,6 @@ void rnd_pool_destroy(struct rnd_pool *pool)
     free(pool);
 }
 
-int rnd_pool_threads(const struct rnd_pool *pool)
-{
-    return pool->threads;
-}
-
 void rnd_pool_run(struct rnd_pool *pool, void (*work)(void *context, int worker), void *context)
 {
     pthread_mutex_lock(&pool->mutex);

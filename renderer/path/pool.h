@@ -7,7 +7,6 @@ struct rnd_pool;
 /* threads, the caller's included: 1 or more. NULL if they cannot be started. */
 struct rnd_pool *rnd_pool_create(int threads);
 void rnd_pool_destroy(struct rnd_pool *pool); /* accepts NULL */
-int rnd_pool_threads(const struct rnd_pool *pool);
 
 /* Call work(context, i) once for every i in 0..threads-1, each on its own thread, and wait for all; i = 0 is
  * the caller's. What was written before is seen by all, and what they wrote is seen after. */

@@ -30,6 +30,14 @@ struct case_of_bsdf {
     float sheen, sheen_roughness;
 };
 
+/* Two unit vectors that make an orthonormal right-handed frame with n (Duff et al. 2017). */
+static inline void frame_of(vec3s n, vec3s *out_x, vec3s *out_y)
+{
+    const float sign = copysignf(1.0f, n.z), a = -1.0f / (sign + n.z), b = n.x * n.y * a;
+    *out_x = (vec3s){{1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x}};
+    *out_y = (vec3s){{b, sign + n.y * n.y * a, -n.y}};
+}
+
 /* A surface whose normal is oblique in the world, so that its frame is tried too. */
 static inline void make(const struct case_of_bsdf *from, float base, struct rnd_material *material,
                         struct rnd_surface *out)
@@ -38,7 +46,7 @@ static inline void make(const struct case_of_bsdf *from, float base, struct rnd_
     const float ior = from->ior > 0 ? from->ior : 1.5f, r = (ior - 1) / (ior + 1);
     const float f0 = r * r * from->specular, tilt = from->coat_tilt_deg * (float)deg;
     vec3s x, y;
-    rnd_frame(n, &x, &y);
+    frame_of(n, &x, &y);
     *material = (struct rnd_material){.kind = from->kind,
                                       .specular = from->specular,
                                       .ior = ior,
@@ -66,7 +74,7 @@ static inline void make(const struct case_of_bsdf *from, float base, struct rnd_
 static inline vec3s direction(const struct rnd_surface *s, double cosine, double azimuth)
 {
     vec3s x, y;
-    rnd_frame(s->shading, &x, &y);
+    frame_of(s->shading, &x, &y);
     const double sine = sqrt(fmax(0.0, 1.0 - cosine * cosine));
     vec3s d = glms_vec3_scale(s->shading, (float)cosine);
     d = glms_vec3_muladds(x, (float)(sine * cos(azimuth)), d);
@@ -79,7 +87,7 @@ enum { ROWS = 48, COLUMNS = 24, CELLS = ROWS * COLUMNS };
 static inline int cell_of(const struct rnd_surface *s, vec3s wi)
 {
     vec3s x, y;
-    rnd_frame(s->shading, &x, &y);
+    frame_of(s->shading, &x, &y);
     const double theta = rnd_angle(wi, s->shading);
     const double azimuth = atan2(glms_vec3_dot(wi, y), glms_vec3_dot(wi, x)) + M_PI;
     const int row = (int)(theta / M_PI * ROWS), column = (int)(azimuth / (2.0 * M_PI) * COLUMNS);
