@@ -8,19 +8,21 @@
 
 #define MS UINT64_C(1000000)
 
-/* Onset at 70 deg/s and offset at 40 deg/s at least: the usual 30 deg/s (Tobii XR Ocumen) drowns in the noise
- * of a headset, which from sample to sample at 120 Hz is 60 to 120 deg/s. Both rise with the measured noise:
- * the speed of an eye at rest is Rayleigh distributed, and passes 4.5 of its scale once in 25,000 samples and
- * 2 in one of seven. */
-static const double onset_deg_s = 70, onset_noises = 4.5, offset_deg_s = 40, offset_noises = 2;
-/* Speed is the difference of the means over a newest and a base span, and a skip between them. At 120 Hz: one
- * sample and the three before it show the onset of a large saccade soonest; one sample and three with a
- * sample skipped, of a small one, which takes three samples as large ones do and would spoil its own base;
- * one and two show the offset, and forget the flight sooner; one and one the peak. */
+/* Speed is the difference of the means over a newest and a base span, and a skip between them, and is an
+ * onset above a least speed. At 120 Hz: one sample and the three before it show the onset of a large saccade
+ * soonest; one and three with a sample skipped that of a smaller one, which takes three samples as large ones
+ * do and would spoil its own base; two and three with one skipped that of the smallest, a degree, when it has
+ * landed, in less noise. One and two show the offset, and forget the flight sooner; one and one the peak. */
 static const struct span {
-    uint64_t skip_ns, base_ns;
-} onset_spans[] = {{0, 27 * MS}, {7 * MS, 27 * MS}}, offset_span = {0, 13 * MS}, peak_span = {0, 5 * MS};
-static const uint64_t newest_ns = 6 * MS;
+    uint64_t newest_ns, skip_ns, base_ns;
+    double least_deg_s;
+} onset_spans[] = {{6 * MS, 0, 27 * MS, 60}, {6 * MS, 7 * MS, 27 * MS, 40}, {14 * MS, 7 * MS, 27 * MS, 35}},
+  offset_span = {6 * MS, 0, 13 * MS, 40}, peak_span = {6 * MS, 0, 5 * MS, 0};
+/* All are above the usual 30 deg/s (Tobii XR Ocumen), which drowns in the noise of a headset, from sample to
+ * sample at 120 Hz 60 to 120 deg/s; above 70 while gaze moves already, for that may be a pursuit of 30. And
+ * all rise with the measured noise: the speed of an eye at rest is Rayleigh distributed, and passes 4.5 of
+ * its scale once in 25,000 samples and 2 in one of seven. */
+static const double moving_onset_deg_s = 70, onset_noises = 4.5, offset_noises = 2;
 enum { ONSETS = sizeof onset_spans / sizeof *onset_spans };
 /* The longest saccade there is, 40 degrees, takes 110 ms. */
 static const uint64_t longest_saccade_ns = 150 * MS;
@@ -30,9 +32,11 @@ static const double pursuit_deg_s = 10, pursuit_noises = 4;
 static const uint64_t pursuit_ns = 100 * MS;
 /* Samples are missing where twice the usual interval has passed, and this. */
 static const uint64_t short_gap_ns = 20 * MS;
-/* Noise to begin with, and the least: no tracker is better. The median settles to within some steps of 1 %.
- */
-static const double first_noise_deg = 0.2, least_noise_deg = 0.01, noise_step = 0.01;
+/* Noise to begin with, and the least: no tracker is better. */
+static const double first_noise_deg = 0.2, least_noise_deg = 0.01;
+/* Steps that fall like 0.7 / n find the median soonest, its density at it being 0.7 over the log of noise; in
+ * steps of 0.4 % it settles to within some 5 % and follows within seconds. */
+static const double first_noise_step = 0.7, least_noise_step = 0.004;
 
 void trk_classifier_init(struct trk_classifier *classifier)
 {
@@ -90,9 +94,9 @@ static struct speed speed_over(const struct trk_classifier *c, struct span span,
     struct mean newest, skipped, base;
     struct speed speed = {0};
     uint64_t age = 0;
-    average(c, &age, newest_ns, not_before_ns, &newest);
-    if (span.skip_ns) average(c, &age, newest_ns + span.skip_ns, not_before_ns, &skipped);
-    average(c, &age, newest_ns + span.skip_ns + span.base_ns, not_before_ns, &base);
+    average(c, &age, span.newest_ns, not_before_ns, &newest);
+    if (span.skip_ns) average(c, &age, span.newest_ns + span.skip_ns, not_before_ns, &skipped);
+    average(c, &age, span.newest_ns + span.skip_ns + span.base_ns, not_before_ns, &base);
     if (!newest.count || !base.count) return speed;
     double dt_s = (base.age_ns - newest.age_ns) * 1e-9;
     double head = glm_deg(glm_vec3_distance(newest.head, base.head)) / dt_s;
@@ -139,7 +143,8 @@ static void measure_noise(struct trk_classifier *c)
     glm_vec3_add((float *)a->world, (float *)d->world, second);
     glm_vec3_muladds((float *)b->world, -2, second);
     double median = sqrt(2 * M_LN2) * sqrt(6) * c->noise_deg;
-    c->noise_deg *= glm_deg(glm_vec3_norm(second)) > median ? 1 + noise_step : 1 / (1 + noise_step);
+    double step = fmax(least_noise_step, first_noise_step / (double)++c->noises_seen);
+    c->noise_deg *= glm_deg(glm_vec3_norm(second)) > median ? 1 + step : 1 / (1 + step);
     c->noise_deg = fmax(c->noise_deg, least_noise_deg);
 }
 
@@ -156,7 +161,7 @@ static void enter(struct trk_classifier *c, enum trk_state state, uint64_t since
 static void follow_saccade(struct trk_classifier *c, uint64_t now_ns)
 {
     struct speed speed = speed_over(c, offset_span, 0);
-    double threshold = fmax(offset_deg_s, offset_noises * speed.noise);
+    double threshold = fmax(offset_span.least_deg_s, offset_noises * speed.noise);
     if (speed.lesser >= threshold && now_ns - c->since_ns <= longest_saccade_ns) return;
     enter(c, TRK_FIXATION, past(c, 1)->time_ns);
 }
@@ -210,10 +215,14 @@ enum trk_state trk_classify(struct trk_classifier *c, uint64_t time_ns, const fl
         follow_saccade(c, time_ns);
         return c->state;
     }
+    const bool moves = c->state == TRK_PURSUIT || c->steady_ns < past(c, 1)->time_ns;
     for (int i = 0; i < ONSETS; i++) {
         struct speed speed = speed_over(c, onset_spans[i], c->since_ns);
-        if (speed.lesser <= fmax(onset_deg_s, onset_noises * speed.noise)) continue;
-        memcpy(c->from, speed.from, sizeof c->from);
+        double least_deg_s = moves ? moving_onset_deg_s : onset_spans[i].least_deg_s;
+        if (speed.lesser <= fmax(least_deg_s, onset_noises * speed.noise)) continue;
+        /* The oldest base is free of the flight. */
+        struct speed oldest = speed_over(c, onset_spans[ONSETS - 1], c->since_ns);
+        memcpy(c->from, oldest.world > 0 ? oldest.from : speed.from, sizeof c->from);
         c->peak_deg_s = (float)fmax(fastest, speed.world);
         enter(c, TRK_SACCADE, time_ns);
         return c->state;

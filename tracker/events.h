@@ -29,6 +29,7 @@ struct trk_classifier {
     uint64_t steady_ns;   /* when the slope was last on the state's side of pursuit's threshold */
     float speed_deg_s;    /* of gaze in the world, lately */
     double noise_deg;     /* standard deviation of an axis, measured */
+    uint64_t noises_seen; /* how often */
 
     float from[3];    /* the last saccade: where it set out, unit, world; */
     float peak_deg_s; /* and its peak velocity so far */

@@ -25,9 +25,8 @@ static const char *const phase_names[PHASES] = {"fixation", "100 ms after saccad
 /* Classes of saccades by amplitude, deg: from this to the next. */
 static const double amplitude_from[AMPLITUDES + 1] = {0, 1, 2, 3, 5, 10, 31};
 
-/* At the default noise, 0.3 degrees in each axis, a jump of ten deviations of an axis shows in two samples.
- */
-static const double seen_deg = 3;
+/* Smaller ones are microsaccades, after which nobody renders anew. */
+static const double seen_deg = 1;
 
 /* The chart: time since the onset of saccades of at least 5 degrees. */
 enum { CHART_FROM_MS = -50, CHART_TO_MS = 300, CHART_STEP_MS = 5 };
@@ -78,7 +77,7 @@ static const char help[] =
     "usage: fovea-bench foveation [OPTION...]\n"
     "Foveation error, from the synthetic observer's true gaze to the direction rendered for.\n"
     "  --seconds N        observed time; default 600\n"
-    "  --noise DEG        of the tracker: standard deviation of an axis; default 0.3\n"
+    "  --noise DEG        of the tracker, rms from sample to sample (an axis deviates by half); default 0.3\n"
     "  --seed N           default 1\n"
     "  --plot FILE.svg    error around saccades, drawn by gnuplot\n"
     "  --json             one JSON object instead of the tables\n";
@@ -162,8 +161,7 @@ static bool observe(const struct setup *setup, struct world *world)
     if (!world->tick || !world->saccade || !world->sample) return false;
     world->saccade[0] = (struct saccade){.onset_s = -1, .end_s = -1};
     struct trk_observer observer;
-    /* From sample to sample, two axes together, white noise is twice as large. */
-    trk_observer_init_with(&observer, setup->seed, RATE_HZ * OVERSAMPLE, 2 * setup->noise_deg, 0);
+    trk_observer_init_with(&observer, setup->seed, RATE_HZ * OVERSAMPLE, setup->noise_deg, 0);
     for (; world->ticks < ticks; world->ticks++) {
         struct trk_sample sample;
         struct trk_truth truth;
@@ -316,7 +314,7 @@ static void measure_onsets(const struct world *world, struct result *out)
             onset->missed++;
     }
     out->false_per_minute = (double)false_alarms / ((double)seen / RATE_HZ / 60);
-    out->noise_deg = gaze[world->samples - 1].noise_deg;
+    out->noise_deg = 2 * gaze[world->samples - 1].noise_deg;
     free(late);
 }
 
@@ -327,7 +325,7 @@ static double within(const struct onset *onset, int samples)
     return onset->count ? (double)sum / onset->count : NAN;
 }
 
-/* The share of onsets within two samples, of all saccades that are large enough to be seen in the noise. */
+/* The share of onsets within two samples, of all saccades that are none of the smallest. */
 static double within_bar(const struct result *result)
 {
     double count = 0, found = 0;
@@ -344,9 +342,8 @@ static double within_bar(const struct result *result)
 
 static void print_tables(const struct setup *setup, const struct result *result)
 {
-    printf("synthetic observer, %.0f s at %d Hz, noise %g degrees (standard deviation of an axis; measured "
-           "%.2f), "
-           "no bias\n\nonset of saccades\n%-14s %7s %10s %10s %10s %8s\n",
+    printf("synthetic observer, %.0f s at %d Hz, noise %g degrees rms from sample to sample (measured "
+           "%.2f), no bias\n\nonset of saccades\n%-14s %7s %10s %10s %10s %8s\n",
            setup->seconds, RATE_HZ, setup->noise_deg, result->noise_deg, "amplitude", "count", "1 sample",
            "2 samples", "3 samples", "missed");
     for (int k = 0; k < AMPLITUDES; k++) {
