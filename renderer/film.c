@@ -1,4 +1,5 @@
 /* The film's memory, and what is read from it: tiles at any level, the whole picture, its file. */
+#include "large_pages.h"
 #include "film.h"
 #include "image.h"
 #include "render.h"
@@ -16,7 +17,9 @@ bool rnd_film_init(struct rnd_film *film, int width, int height, float error_bar
                               .down = height / RND_TILE,
                               .error_bar = error_bar};
     /* Fresh pages of the system are zero and cost nothing until a sample falls there. */
-    film->tile = calloc((size_t)film->across * film->down, sizeof *film->tile);
+    const size_t tiles = (size_t)film->across * (size_t)film->down;
+    film->tile = calloc(tiles, sizeof *film->tile);
+    rnd_use_large_pages(film->tile, tiles * sizeof *film->tile);
     return film->tile != NULL;
 }
 

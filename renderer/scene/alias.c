@@ -1,4 +1,5 @@
 /* Walker's alias method, built as Vose 1991 does: draw from any discrete distribution in constant time. */
+#include "large_pages.h"
 #include "scene/light.h"
 
 #include <stdlib.h>
@@ -8,6 +9,7 @@ bool rnd_alias_init(struct rnd_alias *alias, const float *weight, uint32_t count
     *alias = (struct rnd_alias){.count = count};
     alias->probability = malloc(count * sizeof *alias->probability);
     alias->entry = malloc(count * sizeof *alias->entry);
+    rnd_use_large_pages(alias->entry, count * sizeof *alias->entry);
     double *scaled = malloc(count * sizeof *scaled);
     uint32_t *stack = malloc(count * sizeof *stack); /* small ones from the front, large ones from the back */
     bool ok = alias->probability && alias->entry && scaled && stack;

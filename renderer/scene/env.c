@@ -1,4 +1,5 @@
 /* The environment map: read, weighed, and made into a table to draw from. */
+#include "large_pages.h"
 #include "scene/image_io.h"
 #include "scene/scene.h"
 
@@ -69,9 +70,10 @@ bool rnd_env_load(struct rnd_scene *scene, const char *path, float azimuth_deg,
     env->width = pixels.width;
     env->height = pixels.height;
     env->turn = -azimuth_deg / 360.0f;
-    env->texel =
-        aligned_alloc(64, ((size_t)env->width * env->height * sizeof *env->texel + 63) & ~(size_t)63);
+    const size_t bytes = ((size_t)env->width * env->height * sizeof *env->texel + 63) & ~(size_t)63;
+    env->texel = aligned_alloc(64, bytes);
     if (!env->texel) goto end;
+    rnd_use_large_pages(env->texel, bytes);
     if (!take(env, &pixels, &bad)) {
         snprintf(text, sizeof text, "pixel %zu is negative or not finite: expected radiance", bad);
         goto end;

@@ -1,4 +1,5 @@
 /* Records of triangles: made once, after import, from the meshes' own arrays. */
+#include "large_pages.h"
 #include "scene/record.h"
 #include "scene/scene.h"
 
@@ -59,6 +60,7 @@ bool rnd_records_build(struct rnd_scene *scene)
     }
     scene->record = aligned_alloc(64, (count + 1) * sizeof *scene->record);
     if (!scene->record) return false;
+    rnd_use_large_pages(scene->record, count * sizeof *scene->record);
     for (uint32_t m = 0; m < scene->mesh_count; m++)
         for (uint32_t t = 0; t < scene->mesh[m].triangles; t++)
             make(&scene->mesh[m], t, &scene->record[scene->mesh[m].first_record + t]);

@@ -1,4 +1,5 @@
 /* Textures: asked for at import, read by several threads, kept with their mipmaps under a cap of memory. */
+#include "large_pages.h"
 #include "scene/texture.h"
 #include "scene/scene.h"
 #include "scene/srgb.h"
@@ -140,6 +141,8 @@ bool rnd_texture_load(struct rnd_texture *texture, char out_error[RND_ERROR_SIZE
     else
         texture->bytes = malloc(count * 4);
     const bool ok = texture->floats || texture->bytes;
+    rnd_use_large_pages(texture->floats, count * 4 * sizeof *texture->floats);
+    rnd_use_large_pages(texture->bytes, count * 4);
     if (ok) take_pixels(texture, &pixels);
     rnd_pixels_finish(&pixels);
     if (ok) fill_levels(texture);
