@@ -6,8 +6,9 @@
 #include "path/rich.h"
 #include "path/wave.h"
 
-/* Bounces before Russian roulette begins: shorter paths carry most of the light. */
-enum { SURE_BOUNCES = 3 };
+/* Bounces before Russian roulette begins. From then on a path goes on as often as the square root of what is
+ * left of it: more paths that are shorter are as good in the same time. */
+enum { SURE_BOUNCES = 1 };
 
 /* --- light that arrives --- */
 
@@ -162,7 +163,7 @@ static void weigh(struct rnd_tracer *tracer, uint32_t count)
 #pragma GCC ivdep
     for (size_t j = 0; j < count; j++) {
         const struct rnd_v3 t = rnd_v3_mul(rnd_get(&paths->throughput, j), rnd_get(&to->weight, j));
-        const float largest = rnd_v3_max(t), go_on = sure ? 1.0f : rnd_smaller(largest, 0.95f);
+        const float largest = rnd_v3_max(t), go_on = sure ? 1.0f : rnd_smaller(sqrtf(largest), 0.95f);
         const float number = sure ? 0.0f : tracer->number[3][j];
         const int on = (to->pdf[j] >= 0.0f) & (number < go_on) & (largest > 0.0f);
         rnd_put(&paths->throughput, j, rnd_v3_scale(t, 1.0f / rnd_larger(go_on, 1e-37f)));
