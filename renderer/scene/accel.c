@@ -6,6 +6,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/* Trees of so many triangles have those split that lie across others: rays are a tenth faster, and the tree
+ * takes twice as long, which for this many is about a second. */
+enum { SPLIT_TRIANGLES = 1 << 20 };
+
 static void attach_mesh(const struct rnd_scene *scene, uint32_t i, RTCScene tree, uint32_t id)
 {
     const struct rnd_mesh *mesh = &scene->mesh[i];
@@ -45,6 +49,8 @@ bool rnd_accel_build(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE])
         return false;
     }
     scene->tree = rtcNewScene(scene->device);
+    if (scene->info.triangles <= SPLIT_TRIANGLES)
+        rtcSetSceneBuildQuality(scene->tree, RTC_BUILD_QUALITY_HIGH);
     for (uint32_t i = 0; i < scene->mesh_count; i++) {
         if (!scene->mesh[i].instanced) {
             attach_mesh(scene, i, scene->tree, i);
