@@ -18,7 +18,10 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { MAX_THREADS = 1024 };
+enum {
+    MAX_THREADS = 1024,
+    HALVED = 4, /* waves of a batch, the last ones, that are traced by halves */
+};
 
 struct rnd_worker {
     struct rnd_tracer *tracer;
@@ -33,8 +36,8 @@ struct work {
     struct rnd_render *render;
     const struct rnd_aim *aim;
     uint64_t now_ns;
-    uint32_t paths, wave, waves, step;
-    _Atomic uint32_t next; /* wave that no thread has taken yet */
+    uint32_t paths, half, waves, step; /* half: paths of half a wave */
+    _Atomic uint32_t next;             /* turn that no thread has taken yet */
 };
 
 static uint64_t now_ns(void)
@@ -85,8 +88,8 @@ static void trace_wave(struct rnd_render *render, struct rnd_worker *worker, uin
     }
 }
 
-/* The wave is done: add to the film the tiles of which it was the last. */
-static void finish_wave(const struct work *work, struct rnd_worker *worker, uint32_t first, uint32_t end)
+/* Half a wave is done: add to the film the tiles of which it was the last. */
+static void finish_half(const struct work *work, struct rnd_worker *worker, uint32_t first, uint32_t end)
 {
     struct rnd_render *render = work->render;
     const uint64_t start = now_ns();
@@ -99,24 +102,37 @@ static void finish_wave(const struct work *work, struct rnd_worker *worker, uint
     worker->film_ns += now_ns() - start;
 }
 
-/* Take waves until none is left; once the aim is stale, leave their paths out. They are not taken in the
- * order of the tiles, so that what is left out is not always the lower half of the sphere. */
+/* What is traced in turn k: from half *out_half on so many halves; 0: there is no such turn. The last waves
+ * go by halves, so that threads end together. They are not taken in the order of the tiles, so that what a
+ * stale aim leaves out is not always the lower half of the sphere. */
+static uint32_t halves_of(const struct work *work, uint32_t k, uint32_t *out_half)
+{
+    const uint32_t whole = work->waves > HALVED ? work->waves - HALVED : 0;
+    const uint32_t late = k < whole ? 0 : k - whole, turn = k < whole ? k : whole + late / 2;
+    if (turn >= work->waves) return 0;
+    *out_half = 2 * (uint32_t)((uint64_t)turn * work->step % work->waves) + late % 2;
+    return k < whole ? 2 : 1;
+}
+
+/* Take turns until none is left; once the aim is stale, leave their paths out. */
 static void trace(void *context, int index)
 {
     struct work *work = context;
     struct rnd_render *render = work->render;
-    for (;;) {
-        const uint32_t k = atomic_fetch_add_explicit(&work->next, 1, memory_order_relaxed);
-        if (k >= work->waves) break;
-        const uint32_t i = (uint32_t)((uint64_t)k * work->step % work->waves);
-        const uint32_t first = i * work->wave, last = first + work->wave,
+    for (uint32_t half, halves;;) {
+        halves = halves_of(work, atomic_fetch_add_explicit(&work->next, 1, memory_order_relaxed), &half);
+        if (halves == 0) break;
+        const uint32_t first = half * work->half, last = first + halves * work->half,
                        end = last < work->paths ? last : work->paths;
+        if (first >= end) continue;
         const atomic_bool *stale = work->aim->stale;
         if (stale && atomic_load_explicit(stale, memory_order_relaxed))
             for (uint32_t p = first; p < end; p++) render->sample[p].pixel = RND_TILE_PIXELS;
         else
             trace_wave(render, &render->worker[index], first, end);
-        finish_wave(work, &render->worker[index], first, end);
+        for (uint32_t from = first; from < end; from += work->half)
+            finish_half(work, &render->worker[index], from,
+                        from + work->half < end ? from + work->half : end);
     }
 }
 
@@ -133,14 +149,14 @@ static void cut(struct work *work)
     const uint32_t most = work->paths < 32 * RND_WAVE ? RND_WAVE / 2 : RND_WAVE;
     work->waves = (work->paths + most - 1) / most;
     if (work->waves > 2) work->waves = (work->waves + 3) / 4 * 4;
-    work->wave = (work->paths + work->waves - 1) / work->waves;
-    work->waves = (work->paths + work->wave - 1) / work->wave;
+    work->half = (work->paths + 2 * work->waves - 1) / (2 * work->waves);
+    work->waves = (work->paths + 2 * work->half - 1) / (2 * work->half);
     /* About the golden section of them apart, and all of them. */
     work->step = (uint32_t)(0.618 * work->waves) | 1u;
     while (divisor(work->step, work->waves) != 1) work->step++;
     for (uint32_t r = 0; r < render->runs; r++) {
         struct rnd_run *run = &render->run[r];
-        atomic_init(&run->left, (run->end - 1) / work->wave - run->first / work->wave + 1);
+        atomic_init(&run->left, (run->end - 1) / work->half - run->first / work->half + 1);
     }
 }
 
