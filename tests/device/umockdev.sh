@@ -2,8 +2,8 @@
 # of the names at the end. Exit code 77: umockdev is missing.
 set -eu
 . "$(dirname "$0")/../room.sh"
-programs=$1
-source=$2
+programs=$(cd "$1" && pwd)
+source=$(cd "$2" && pwd)
 what=$3
 plug=$programs/device_plug
 probe=$programs/device_probe
