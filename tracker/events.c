@@ -34,8 +34,8 @@ static const uint64_t pursuit_ns = 100 * MS;
 static const uint64_t short_gap_ns = 20 * MS;
 /* Noise to begin with, and the least: no tracker is better. */
 static const double first_noise_deg = 0.2, least_noise_deg = 0.01;
-/* Steps that fall like 0.7 / n find the median soonest, its density at it being 0.7 over the log of noise; in
- * steps of 0.4 % it settles to within some 5 % and follows within seconds. */
+/* Steps that fall like 0.7 / n find the median soonest, its density at it being 0.7 over the log of noise;
+ * the least keep it following. */
 static const double first_noise_step = 0.7, least_noise_step = 0.004;
 
 void trk_classifier_init(struct trk_classifier *classifier)

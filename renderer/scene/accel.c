@@ -6,8 +6,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Trees of so many triangles have those split that lie across others: rays are a tenth faster, and the tree
- * takes twice as long, which for this many is about a second. */
+/* Trees of up to so many triangles have those split that lie across others: rays are faster, and the tree
+ * takes longer, which for more would keep the first picture waiting. */
 enum { SPLIT_TRIANGLES = 1 << 20 };
 
 static void attach_mesh(const struct rnd_scene *scene, uint32_t i, RTCScene tree, uint32_t id)
