@@ -8,7 +8,6 @@
  */
 #include "path/tape.h"
 #include "path/trace.h"
-#include "path/uv.h"
 #include "render.h"
 #include "sampler.h"
 
@@ -49,32 +48,22 @@ static uint64_t now_ns(void)
 
 /* --- waves --- */
 
-/* Aim a path: its place within the pixel and all that follows are the pixel's own random numbers. */
-static void aim_path(const struct rnd_render *render, uint32_t tile, const struct rnd_sample *sample,
-                     struct rnd_wave_io *io, uint32_t i)
-{
-    const uint32_t across = (uint32_t)render->film.across;
-    const uint32_t x = tile % across * RND_TILE + sample->pixel % RND_TILE;
-    const uint32_t y = tile / across * RND_TILE + sample->pixel / RND_TILE;
-    const uint32_t pixel = y * (uint32_t)render->film.width + x;
-    float u[2];
-    io->seed[i] = rnd_hash2(render->seed, 2 * pixel + (sample->number & 1));
-    io->index[i] = sample->number >> 1;
-    rnd_pair(io->seed[i], RND_DIMENSION_PIXEL, io->index[i], u);
-    const struct rnd_v3 d = rnd_v3_from_uv(((float)x + u[0]) / (float)render->film.width,
-                                           ((float)y + u[1]) / (float)render->film.height);
-    io->direction[0][i] = d.x;
-    io->direction[1][i] = d.y;
-    io->direction[2][i] = d.z;
-}
-
 /* Trace paths first to end of the sorted ones. */
 static void trace_wave(struct rnd_render *render, struct rnd_worker *worker, uint32_t first, uint32_t end)
 {
     const uint32_t count = end - first;
     struct rnd_wave_io *io = &worker->io;
-    for (uint32_t i = 0; i < count; i++)
-        aim_path(render, render->run[render->run_of[first + i]].tile, &render->sample[first + i], io, i);
+    for (uint32_t i = 0; i < count;) {
+        const struct rnd_run *run = &render->run[render->run_of[first + i]];
+        const uint32_t across = (uint32_t)render->film.across, left = run->tile % across * RND_TILE,
+                       top = run->tile / across * RND_TILE;
+        for (const uint32_t last = run->end < end ? run->end : end; first + i < last; i++) {
+            const struct rnd_sample *sample = &render->sample[first + i];
+            io->x[i] = left + sample->pixel % RND_TILE;
+            io->y[i] = top + sample->pixel / RND_TILE;
+            io->number[i] = sample->number;
+        }
+    }
     worker->rays += rnd_trace(worker->tracer, render->eye, io, count);
     worker->traced += count;
     for (uint32_t i = 0; i < count; i++) {
@@ -287,10 +276,10 @@ struct rnd_render *rnd_render_create(const struct rnd_scene *scene, const struct
     const size_t tiles = (size_t)(width / RND_TILE) * (size_t)(height / RND_TILE);
     render->start = malloc((tiles + 1) * sizeof *render->start);
     bool ok = render->worker && render->pool && render->start;
-    const float spread = 2.0f * (float)M_PI / (float)width;
     for (long i = 0; ok && i < threads; i++)
         ok = (render->worker[i].tracer =
-                  rnd_tracer_create(scene, options->max_bounces, options->firefly, spread)) != NULL;
+                  rnd_tracer_create(scene, options->max_bounces, options->firefly, width,
+                                    render->seed)) != NULL;
     if (ok &&
         rnd_film_init(&render->film, width, height, options->error_bar > 0.0f ? options->error_bar : 0.05f))
         return render;

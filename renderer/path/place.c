@@ -21,18 +21,24 @@ enum {
 /* Share of its usual samples that a tile still gets when nobody would see what more of them bring. */
 #define FLOOR 0.125f
 
-static uint32_t pixel_index(const struct rnd_film *film, int x, int y)
+/* tile * RND_TILE_PIXELS + pixel within it */
+RND_INLINE uint32_t pixel_index(const struct rnd_film *film, uint32_t x, uint32_t y)
 {
-    const uint32_t tile = (uint32_t)(y / RND_TILE * film->across + x / RND_TILE);
-    return tile * RND_TILE_PIXELS + (uint32_t)(y % RND_TILE * RND_TILE + x % RND_TILE);
+    const uint32_t tile = y / RND_TILE * (uint32_t)film->across + x / RND_TILE;
+    return tile * RND_TILE_PIXELS + y % RND_TILE * RND_TILE + x % RND_TILE;
 }
 
-static uint32_t pixel_of(const struct rnd_film *film, const float direction[3])
+/* Of count directions. */
+static void pixels_of(const struct rnd_film *film, size_t count, const float *direction, uint32_t *out_pixel)
 {
-    float u, v;
-    rnd_v3_to_uv(rnd_v3(direction[0], direction[1], direction[2]), &u, &v);
-    const int x = (int)(u * (float)film->width), y = (int)(v * (float)film->height);
-    return pixel_index(film, x < film->width ? x : film->width - 1, y < film->height ? y : film->height - 1);
+    const float width = (float)film->width, height = (float)film->height;
+#pragma omp simd
+    for (size_t i = 0; i < count; i++) {
+        float u, v;
+        rnd_v3_to_uv(rnd_v3(direction[3 * i], direction[3 * i + 1], direction[3 * i + 2]), &u, &v);
+        out_pixel[i] = pixel_index(film, (uint32_t)(int32_t)rnd_smaller(u * width, width - 1.0f),
+                                   (uint32_t)(int32_t)rnd_smaller(v * height, height - 1.0f));
+    }
 }
 
 /* How many cells along a side: so many, a power of two, that where samples are densest, at the gaze, a cell
@@ -54,14 +60,9 @@ static void corner_of(const struct rnd_render *render, uint32_t cell, float out[
     for (int c = 0; c < 2; c++) out[c] = floorf(u[c] * render->grid) / render->grid;
 }
 
-/* Is the tile in the middle of a cell as good as it can be seen to be? */
-static bool is_quiet(const struct rnd_render *render, const struct rnd_aim *aim, uint32_t cell)
+/* Is the tile as good as it can be seen to be? */
+static bool is_quiet(const struct rnd_render *render, const struct rnd_aim *aim, uint32_t index)
 {
-    float u[2], direction[3];
-    corner_of(render, cell, u);
-    for (int c = 0; c < 2; c++) u[c] += 0.5f / render->grid;
-    render->distribution->sample(aim, 1, u, direction);
-    const uint32_t index = pixel_of(&render->film, direction) / RND_TILE_PIXELS;
     const struct rnd_tile *tile = &render->film.tile[index].state;
     if (tile->converged) return true;
     return render->distribution->follows_gaze &&
@@ -69,38 +70,68 @@ static bool is_quiet(const struct rnd_render *render, const struct rnd_aim *aim,
                             aim->gaze);
 }
 
-/* Choose the next cells. What falls on a quiet tile is mostly passed over, for others to have its samples. */
-static void choose_cells(struct rnd_render *render, const struct rnd_aim *aim, uint32_t cells)
+enum { SOME = 256 }; /* positions at a time */
+
+/* The tiles in the middle of count cells, SOME at most, from the next one on. */
+static void middles(const struct rnd_render *render, const struct rnd_aim *aim, uint32_t count,
+                    uint32_t *out_tile)
 {
-    uint32_t chosen = 0, spare = (TRIES - 1) * cells;
-    while (chosen < cells) {
-        const uint32_t cell = render->next_cell++;
-        if (spare > 0 && is_quiet(render, aim, cell) && rnd_unit(rnd_hash2(render->seed + 2, cell)) >= FLOOR)
-            spare--;
-        else
-            render->cell[chosen++] = cell;
+    float u[2 * SOME], direction[3 * SOME];
+    for (uint32_t k = 0; k < count; k++) {
+        corner_of(render, render->next_cell + k, &u[2 * k]);
+        for (int c = 0; c < 2; c++) u[2 * k + (uint32_t)c] += 0.5f / render->grid;
+    }
+    render->distribution->sample(aim, count, u, direction);
+    pixels_of(&render->film, count, direction, out_tile);
+    for (uint32_t k = 0; k < count; k++) {
+        out_tile[k] /= RND_TILE_PIXELS;
+        __builtin_prefetch(&render->film.tile[out_tile[k]].state);
     }
 }
 
-/* Positions of paths first to end; first is a cell's. */
-static void draw(struct rnd_render *render, const struct rnd_aim *aim, uint32_t first, uint32_t end)
+/* Choose the next cells. What falls on a quiet tile is mostly passed over, for others to have its samples. */
+static void choose_cells(struct rnd_render *render, const struct rnd_aim *aim, uint32_t cells)
 {
-    enum { DRAW = 16 * CELL };
-    const float quarter = 0.25f / render->grid;
-    float u[2 * DRAW], direction[3 * DRAW], corner[2];
-    for (uint32_t i = first; i < end; i += DRAW) {
-        const uint32_t n = end - i < DRAW ? end - i : DRAW;
-        for (uint32_t k = 0; k < n; k++) {
-            const uint32_t cell = render->cell[(i + k) / CELL], within = k % CELL;
-            if (within == 0) corner_of(render, cell, corner);
-            const uint32_t h = rnd_hash2(render->seed + 3, cell * CELL + within);
-            const float x = (float)(within % 4) + (float)(h & 0xffffu) * 0x1p-16f,
-                        y = (float)(within / 4) + (float)(h >> 16) * 0x1p-16f;
-            u[2 * k] = corner[0] + x * quarter;
-            u[2 * k + 1] = corner[1] + y * quarter;
+    uint32_t chosen = 0, spare = (TRIES - 1) * cells, tile[SOME];
+    while (chosen < cells) {
+        const uint32_t count = cells - chosen < SOME ? cells - chosen : SOME;
+        middles(render, aim, count, tile);
+        for (uint32_t k = 0; k < count; k++) {
+            const uint32_t cell = render->next_cell++;
+            if (spare > 0 && is_quiet(render, aim, tile[k]) &&
+                rnd_unit(rnd_hash2(render->seed + 2, cell)) >= FLOOR)
+                spare--;
+            else
+                render->cell[chosen++] = cell;
         }
+    }
+}
+
+/* Positions of the paths of cells first to end, paths of them in all. */
+static void draw(struct rnd_render *render, const struct rnd_aim *aim, uint32_t first, uint32_t end,
+                 uint32_t paths)
+{
+    const float quarter = 0.25f / render->grid;
+    float u[2 * SOME], direction[3 * SOME];
+    for (uint32_t c = first; c < end; c += SOME / CELL) {
+        const uint32_t cells = end - c < SOME / CELL ? end - c : SOME / CELL;
+        for (uint32_t k = 0; k < cells; k++) {
+            const uint32_t cell = render->cell[c + k], seed = render->seed + 3;
+            float corner[2], *to = &u[2 * CELL * k];
+            corner_of(render, cell, corner);
+#pragma omp simd
+            for (uint32_t within = 0; within < CELL; within++) {
+                const uint32_t h = rnd_hash2(seed, cell * CELL + within);
+                to[2 * within] = corner[0] + quarter * ((float)(int32_t)(within % 4) +
+                                                        (float)(int32_t)(h & 0xffffu) * 0x1p-16f);
+                to[2 * within + 1] =
+                    corner[1] +
+                    quarter * ((float)(int32_t)(within / 4) + (float)(int32_t)(h >> 16) * 0x1p-16f);
+            }
+        }
+        const uint32_t i = c * CELL, n = paths - i < cells * CELL ? paths - i : cells * CELL;
         render->distribution->sample(aim, n, u, direction);
-        for (uint32_t k = 0; k < n; k++) render->pixel[i + k] = pixel_of(&render->film, direction + 3 * k);
+        pixels_of(&render->film, n, direction, &render->pixel[i]);
     }
 }
 
@@ -110,8 +141,8 @@ static void outline(struct rnd_render *render, uint32_t paths)
     const uint32_t across = (uint32_t)render->film.width / RND_OUTLINE;
     for (uint32_t i = 0; i < paths; i++) {
         const uint32_t h = rnd_hash2(render->seed + 1, i);
-        render->pixel[i] = pixel_index(&render->film, (int)(i % across * RND_OUTLINE + h % RND_OUTLINE),
-                                       (int)(i / across * RND_OUTLINE + h / RND_OUTLINE % RND_OUTLINE));
+        render->pixel[i] = pixel_index(&render->film, i % across * RND_OUTLINE + h % RND_OUTLINE,
+                                       i / across * RND_OUTLINE + h / RND_OUTLINE % RND_OUTLINE);
     }
 }
 
@@ -122,7 +153,11 @@ static void sort(struct rnd_render *render, uint32_t paths)
     const uint32_t tiles = (uint32_t)(render->film.across * render->film.down);
     uint32_t *start = render->start;
     memset(start, 0, (tiles + 1) * sizeof *start);
-    for (uint32_t i = 0; i < paths; i++) start[render->pixel[i] / RND_TILE_PIXELS]++;
+    for (uint32_t i = 0; i < paths; i++) {
+        const uint32_t t = render->pixel[i] / RND_TILE_PIXELS;
+        start[t]++;
+        __builtin_prefetch(&render->film.tile[t].drawn[render->pixel[i] % RND_TILE_PIXELS], 1);
+    }
     render->runs = 0;
     for (uint32_t t = 0, sum = 0; t < tiles; t++) {
         const uint32_t n = start[t];
@@ -155,9 +190,8 @@ static void draw_share(void *context, int worker)
 {
     const struct placing *p = context;
     const uint64_t cells = (p->paths + CELL - 1) / CELL, workers = (uint64_t)p->render->workers;
-    const uint32_t first = CELL * (uint32_t)(cells * (unsigned)worker / workers);
-    const uint32_t end = CELL * (uint32_t)(cells * ((unsigned)worker + 1u) / workers);
-    draw(p->render, p->aim, first, end < p->paths ? end : p->paths);
+    draw(p->render, p->aim, (uint32_t)(cells * (unsigned)worker / workers),
+         (uint32_t)(cells * ((unsigned)worker + 1u) / workers), p->paths);
 }
 
 void rnd_place(struct rnd_render *render, const struct rnd_aim *aim, uint32_t paths, bool drawn)

@@ -2,8 +2,13 @@
 #include "path/pool.h"
 
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdlib.h>
+
+/* How often a thread looks for what it waits for before it sleeps: a tenth of a millisecond or so, which is
+ * what one thread alone does between two rounds. To wake a sleeper takes as long. */
+enum { LOOKS = 4000 };
 
 struct thread {
     struct rnd_pool *pool;
@@ -14,32 +19,40 @@ struct thread {
 struct rnd_pool {
     int threads, started;
     struct thread *thread; /* the caller has none: threads - 1 of them */
-    pthread_mutex_t mutex; /* guards all below */
+    pthread_mutex_t mutex; /* held to change what is below, and to sleep */
     pthread_cond_t begin, end;
-    unsigned round; /* of work handed out */
-    int busy;
+    _Atomic unsigned round; /* of work handed out; of the last one, the threads that are at it */
+    _Atomic int busy;
     bool quit;
     void (*work)(void *context, int worker);
     void *context;
 };
 
+static void pause_a_little(void)
+{
+#if defined __x86_64__
+    __builtin_ia32_pause();
+#endif
+}
+
 static void *run(void *argument)
 {
     const struct thread *self = argument;
     struct rnd_pool *pool = self->pool;
-    unsigned seen = 0;
-    pthread_mutex_lock(&pool->mutex);
-    for (;;) {
-        while (pool->round == seen && !pool->quit) pthread_cond_wait(&pool->begin, &pool->mutex);
-        if (pool->quit) break;
-        seen = pool->round;
-        pthread_mutex_unlock(&pool->mutex);
-        pool->work(pool->context, self->index);
+    for (unsigned seen = 0;; seen++) {
+        for (int i = 0; i < LOOKS && atomic_load(&pool->round) == seen; i++) pause_a_little();
         pthread_mutex_lock(&pool->mutex);
-        if (--pool->busy == 0) pthread_cond_signal(&pool->end);
+        while (atomic_load(&pool->round) == seen && !pool->quit)
+            pthread_cond_wait(&pool->begin, &pool->mutex);
+        const bool quit = pool->quit;
+        pthread_mutex_unlock(&pool->mutex);
+        if (quit) return NULL;
+        pool->work(pool->context, self->index);
+        if (atomic_fetch_sub(&pool->busy, 1) != 1) continue;
+        pthread_mutex_lock(&pool->mutex);
+        pthread_cond_signal(&pool->end);
+        pthread_mutex_unlock(&pool->mutex);
     }
-    pthread_mutex_unlock(&pool->mutex);
-    return NULL;
 }
 
 struct rnd_pool *rnd_pool_create(int threads)
@@ -82,12 +95,14 @@ void rnd_pool_run(struct rnd_pool *pool, void (*work)(void *context, int worker)
     pthread_mutex_lock(&pool->mutex);
     pool->work = work;
     pool->context = context;
-    pool->busy = pool->threads - 1;
-    pool->round++;
+    atomic_store(&pool->busy, pool->threads - 1);
+    atomic_fetch_add(&pool->round, 1);
     pthread_cond_broadcast(&pool->begin);
     pthread_mutex_unlock(&pool->mutex);
     work(context, 0);
+    for (int i = 0; i < LOOKS && atomic_load(&pool->busy) > 0; i++) pause_a_little();
+    if (atomic_load(&pool->busy) == 0) return;
     pthread_mutex_lock(&pool->mutex);
-    while (pool->busy > 0) pthread_cond_wait(&pool->end, &pool->mutex);
+    while (atomic_load(&pool->busy) > 0) pthread_cond_wait(&pool->end, &pool->mutex);
     pthread_mutex_unlock(&pool->mutex);
 }

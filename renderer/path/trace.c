@@ -8,6 +8,7 @@
 
 /* The stages, once for every instruction set. */
 struct stages {
+    void (*start)(struct rnd_tracer *, const float[3], uint32_t);
     uint32_t (*surface)(struct rnd_tracer *, uint32_t);
     void (*emission)(struct rnd_tracer *, uint32_t);
     void (*choose_lights)(struct rnd_tracer *, uint32_t);
@@ -15,13 +16,14 @@ struct stages {
 };
 
 #define STAGES(isa)                                                                                          \
+    void RND_JOIN(rnd_start, isa)(struct rnd_tracer *, const float[3], uint32_t);                            \
     uint32_t RND_JOIN(rnd_surface, isa)(struct rnd_tracer *, uint32_t);                                      \
     void RND_JOIN(rnd_emission, isa)(struct rnd_tracer *, uint32_t);                                         \
     void RND_JOIN(rnd_choose_lights, isa)(struct rnd_tracer *, uint32_t);                                    \
     uint32_t RND_JOIN(rnd_scatter, isa)(struct rnd_tracer *, uint32_t);                                      \
     static const struct stages RND_JOIN(stages, isa) = {                                                     \
-        RND_JOIN(rnd_surface, isa), RND_JOIN(rnd_emission, isa), RND_JOIN(rnd_choose_lights, isa),           \
-        RND_JOIN(rnd_scatter, isa)};
+        RND_JOIN(rnd_start, isa), RND_JOIN(rnd_surface, isa), RND_JOIN(rnd_emission, isa),                   \
+        RND_JOIN(rnd_choose_lights, isa), RND_JOIN(rnd_scatter, isa)};
 STAGES(plain)
 #ifdef RND_X86
 STAGES(v3)
@@ -41,8 +43,8 @@ static const struct stages *best_stages(void)
     return &stages_plain;
 }
 
-struct rnd_tracer *rnd_tracer_create(const struct rnd_scene *scene, int max_bounces, float firefly,
-                                     float spread)
+struct rnd_tracer *rnd_tracer_create(const struct rnd_scene *scene, int max_bounces, float firefly, int width,
+                                     uint32_t seed)
 {
     struct rnd_tracer *tracer = aligned_alloc(64, (sizeof *tracer + 63) & ~(size_t)63);
     if (!tracer) return NULL;
@@ -50,7 +52,9 @@ struct rnd_tracer *rnd_tracer_create(const struct rnd_scene *scene, int max_boun
     tracer->scene = scene;
     tracer->max_bounces = max_bounces;
     tracer->firefly = firefly > 0.0f ? firefly : INFINITY;
-    tracer->spread = spread;
+    tracer->width = width;
+    tracer->spread = 2.0f * (float)M_PI / (float)width;
+    tracer->seed = seed;
     tracer->stages = best_stages();
     rnd_rays_init(tracer);
     return tracer;
@@ -99,29 +103,13 @@ static void book(struct rnd_tracer *tracer, enum rnd_stage stage, uint64_t *last
     *last_ns = now;
 }
 
-static void start(struct rnd_tracer *tracer, const float eye[3], uint32_t count)
-{
-    struct rnd_paths *paths = &tracer->paths[0];
-    struct rnd_wave_io *io = tracer->io;
-    for (uint32_t i = 0; i < count; i++) {
-        rnd_put(&paths->origin, i, rnd_v3(eye[0], eye[1], eye[2]));
-        rnd_put(&paths->direction, i, rnd_v3(io->direction[0][i], io->direction[1][i], io->direction[2][i]));
-        rnd_put(&paths->throughput, i, rnd_v3(1, 1, 1));
-        paths->pdf[i] = paths->width[i] = 0.0f;
-        paths->seed[i] = io->seed[i];
-        paths->index[i] = io->index[i];
-        paths->id[i] = i;
-        for (int c = 0; c < 3; c++) io->radiance[c][i] = 0.0f;
-    }
-}
-
 uint64_t rnd_trace(struct rnd_tracer *tracer, const float eye[3], struct rnd_wave_io *io, uint32_t count)
 {
     const struct stages *stages = tracer->stages;
     const uint64_t rays = tracer->rays;
     uint64_t last_ns = now_ns();
     tracer->io = io;
-    start(tracer, eye, count);
+    stages->start(tracer, eye, count);
     for (tracer->depth = 0; count > 0; tracer->depth++) {
         rnd_intersect(tracer, &tracer->paths[0], count, tracer->depth == 0);
         book(tracer, RND_STAGE_RAYS, &last_ns);

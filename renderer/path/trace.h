@@ -20,17 +20,17 @@ enum { RND_DIMENSION_PIXEL, RND_DIMENSION_PATH };
 
 /* What goes into a wave and comes out of it, a path each. */
 struct rnd_wave_io {
-    float direction[3][RND_WAVE] __attribute__((aligned(64))); /* of first rays; unit */
-    uint32_t seed[RND_WAVE], index[RND_WAVE];                  /* address of their random numbers */
+    uint32_t x[RND_WAVE], y[RND_WAVE]; /* pixel of the film */
+    uint32_t number[RND_WAVE];         /* of the pixel's paths, this is which */
     float radiance[3][RND_WAVE];
 };
 
 struct rnd_tracer; /* one thread's memory for waves */
 
-/* max_bounces and firefly as in struct rnd_render_options; spread: angle between the film's pixels, rad. NULL
- * when memory is short. */
-struct rnd_tracer *rnd_tracer_create(const struct rnd_scene *scene, int max_bounces, float firefly,
-                                     float spread);
+/* max_bounces and firefly as in struct rnd_render_options; width of the film, pixels; seed of the random
+ * numbers of its pixels. NULL when memory is short. */
+struct rnd_tracer *rnd_tracer_create(const struct rnd_scene *scene, int max_bounces, float firefly, int width,
+                                     uint32_t seed);
 void rnd_tracer_destroy(struct rnd_tracer *tracer); /* accepts NULL */
 /* Go on with another scene. */
 void rnd_tracer_scene(struct rnd_tracer *tracer, const struct rnd_scene *scene);

@@ -1,6 +1,6 @@
 /* A wave of paths in structures of arrays: what the stages of the integrator hand to each other.
  *
- * The stages (rays, surface, lights, scatter) are compiled once for every instruction set that is worth it;
+ * The stages (start, rays, surface, lights, scatter) are compiled once for every instruction set that is worth it;
  * ISA() tells their names apart, and rnd_tracer_create() takes the best that the processor has.
  */
 #ifndef FOVEAD_RENDERER_WAVE_H
@@ -104,7 +104,9 @@ struct rnd_tracer {
     const struct rnd_scene *scene;
     int max_bounces;
     float firefly;               /* luminance that indirect light is clamped to; INFINITY: it is not */
+    int width;                   /* of the film, pixels */
     float spread;                /* angle between neighbouring pixels, rad */
+    uint32_t seed;               /* of the pixels' random numbers */
     const struct stages *stages; /* for this processor */
     uint64_t rays;
     uint64_t stage_ns[RND_STAGES];
@@ -179,6 +181,9 @@ RND_INLINE struct rnd_v3 rnd_clamp_firefly(const struct rnd_tracer *tracer, stru
     return tracer->depth > 0 && bright > tracer->firefly ? rnd_v3_scale(radiance, tracer->firefly / bright)
                                                          : radiance;
 }
+
+/* start.c: paths through the wave's pixels, from the eye. */
+void ISA(rnd_start)(struct rnd_tracer *tracer, const float eye[3], uint32_t count);
 
 /* rays.c: what paths hit; and which shadow rays get through, whose radiance is added. */
 void rnd_rays_init(struct rnd_tracer *tracer);

@@ -110,25 +110,37 @@ static double processor_seconds(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
+/* Batches, and now and then the rays of one again: what slows the machine down for a moment slows both. */
 static void measure(struct rnd_render *render, int threads, const struct setup *setup,
                     const struct rnd_aim *aim, int turn, struct figures *to)
 {
-    double seconds = 0, paths = 0, rays = 0, place = 0, part[5] = {0};
+    enum { BETWEEN = 8 };
+    double seconds = 0, processor = 0, paths = 0, rays = 0, place = 0, part[5] = {0};
+    double played = 0, replayed = 0;
     struct rnd_batch batch;
-    const double start = processor_seconds();
     while (seconds < setup->seconds) {
-        rnd_render_batch(render, aim, 0, (uint32_t)setup->batch, &batch);
-        seconds += batch.seconds;
-        paths += (double)batch.paths;
-        rays += (double)batch.rays;
-        place += batch.place_seconds;
-        part[0] += batch.rays_seconds;
-        part[1] += batch.surface_seconds;
-        part[2] += batch.light_seconds;
-        part[3] += batch.scatter_seconds;
-        part[4] += batch.film_seconds;
+        const double start = processor_seconds();
+        for (int i = 0; i < BETWEEN; i++) {
+            rnd_render_batch(render, aim, 0, (uint32_t)setup->batch, &batch);
+            seconds += batch.seconds;
+            paths += (double)batch.paths;
+            rays += (double)batch.rays;
+            place += batch.place_seconds;
+            part[0] += batch.rays_seconds;
+            part[1] += batch.surface_seconds;
+            part[2] += batch.light_seconds;
+            part[3] += batch.scatter_seconds;
+            part[4] += batch.film_seconds;
+        }
+        processor += processor_seconds() - start;
+        double again;
+        rnd_render_retrace(render, aim, (uint32_t)setup->batch, &batch, &again);
+        if (again < 0) exit((fprintf(stderr, "fovea-bench: not enough memory to keep the rays\n"), 1));
+        played += again;
+        replayed += (double)batch.paths;
     }
-    to->cpu[turn] = paths / (processor_seconds() - start);
+    to->cpu[turn] = paths / processor;
+    to->traversal[turn] = replayed / played;
     to->paths[turn] = paths / seconds;
     to->rays[turn] = rays / seconds;
     to->place[turn] = place / paths;
@@ -137,15 +149,6 @@ static void measure(struct rnd_render *render, int threads, const struct setup *
         to->share[turn][i] = part[i] / (seconds * threads);
         to->share[turn][5] -= to->share[turn][i];
     }
-    double played = 0, replayed = 0;
-    while (played < setup->seconds / 2) {
-        double again;
-        rnd_render_retrace(render, aim, (uint32_t)setup->batch, &batch, &again);
-        if (again < 0) exit((fprintf(stderr, "fovea-bench: not enough memory to keep the rays\n"), 1));
-        played += again;
-        replayed += (double)batch.paths;
-    }
-    to->traversal[turn] = replayed / played;
 }
 
 static void print_json(const struct setup *setup, const struct figures *f, double place_cost)
