@@ -51,11 +51,9 @@ void rnd_film_add(const struct rnd_film *film, struct rnd_film_tile *tile, const
         tile->state.error = INFINITY;
         tile->next_judgement = 2 * RND_TILE_PIXELS;
     }
-    enum { AHEAD = 8 }; /* samples whose pixels are on their way from memory */
     uint32_t added = 0;
     for (uint32_t i = 0; i < count; i++) {
-        const struct rnd_sample *s = &samples[i], *ahead = &samples[i + AHEAD < count ? i + AHEAD : i];
-        __builtin_prefetch(tile->half[ahead->number & 1][ahead->pixel % RND_TILE_PIXELS], 1);
+        const struct rnd_sample *s = &samples[i];
         if (s->pixel == RND_TILE_PIXELS) continue;
         const uint32_t h = s->number & 1, x = s->pixel % RND_TILE, y = s->pixel / RND_TILE;
         float *sum = tile->half[h][s->pixel];

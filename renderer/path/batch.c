@@ -69,7 +69,11 @@ static void trace_wave(struct rnd_render *render, struct rnd_worker *worker, uin
     for (uint32_t i = 0; i < count; i++) {
         const float r = io->radiance[0][i], g = io->radiance[1][i], b = io->radiance[2][i];
         const bool finite = isfinite(r + g + b);
-        float *rgb = render->sample[first + i].rgb;
+        struct rnd_sample *sample = &render->sample[first + i];
+        const struct rnd_film_tile *tile = &render->film.tile[render->run[render->run_of[first + i]].tile];
+        float *rgb = sample->rgb;
+        __builtin_prefetch(tile->half[sample->number & 1][sample->pixel], 1);
+        __builtin_prefetch(&tile->count[sample->number & 1][sample->pixel], 1);
         worker->not_finite += !finite;
         rgb[0] = finite ? r : 0.0f;
         rgb[1] = finite ? g : 0.0f;

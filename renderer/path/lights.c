@@ -6,10 +6,11 @@
 static void choose_groups(struct rnd_tracer *tracer, uint32_t count, uint32_t number[RND_LIGHT_GROUPS])
 {
     const float *choose = tracer->scene->lights.choose;
-    int last = 0, only = -1;
-    for (int g = 0; g < RND_LIGHT_GROUPS; g++) {
+    int only = -1;
+    uint32_t first = RND_LIGHT_GROUPS - 1;
+    for (int g = RND_LIGHT_GROUPS - 1; g >= 0; g--) {
         number[g] = 0;
-        if (choose[g] > 0.0f) last = g;
+        if (choose[g] > 0.0f) first = (uint32_t)g;
         if (choose[g] >= 1.0f) only = g;
     }
     if (only >= 0) {
@@ -17,12 +18,31 @@ static void choose_groups(struct rnd_tracer *tracer, uint32_t count, uint32_t nu
         number[only] = count;
         return;
     }
+    /* Where each group begins in [0, 1), and one over its length. What has no length begins where no number
+     * is. */
+    float begin[RND_LIGHT_GROUPS], stretch[RND_LIGHT_GROUPS], sum = 0.0f;
+    for (int g = 0; g < RND_LIGHT_GROUPS; g++) {
+        begin[g] = choose[g] > 0.0f ? sum : 2.0f;
+        stretch[g] = choose[g] > 0.0f ? 1.0f / choose[g] : 0.0f;
+        sum += choose[g];
+    }
     float *u = tracer->number[0];
+    uint32_t *group = tracer->order;
+#pragma GCC ivdep
+    for (size_t j = 0; j < count; j++) {
+        uint32_t g = first;
+        float from = 0.0f, by = stretch[first];
+        for (uint32_t k = 1; k < RND_LIGHT_GROUPS; k++) {
+            const int beyond = u[j] >= begin[k];
+            g = beyond ? k : g;
+            from = beyond ? begin[k] : from;
+            by = beyond ? stretch[k] : by;
+        }
+        group[j] = g;
+        u[j] = rnd_smaller((u[j] - from) * by, 0x1.fffffep-1f);
+    }
     for (uint32_t j = 0; j < count; j++) {
-        float v = u[j];
-        int g = 0;
-        for (; g < last && v >= choose[g]; g++) v -= choose[g];
-        u[j] = rnd_smaller(v / choose[g], 0x1.fffffep-1f);
+        const uint32_t g = group[j];
         tracer->list[g][number[g]++] = j;
     }
 }
@@ -57,11 +77,13 @@ static void choose_env(struct rnd_tracer *tracer, const uint32_t *list, uint32_t
     uint32_t *texel = tracer->order;
     draw_entries(tracer, &env->alias, list, count, env->texel, sizeof *env->texel, texel);
     const float choose = lights->choose[RND_LIGHT_ENV];
-    for (uint32_t k = 0; k < count; k++) {
+    const uint32_t which = 128 + (uint32_t)tracer->depth;
+#pragma GCC ivdep
+    for (size_t k = 0; k < count; k++) {
         const uint32_t j = list[k];
         float s, t, a, b;
         const struct rnd_v3 direction = rnd_env_direction(env, texel[k], u[2][j], u[3][j], &s, &t);
-        rnd_dither(paths->seed[j], paths->index[j], 128 + (uint32_t)tracer->depth, &a, &b);
+        rnd_dither(paths->seed[j], paths->index[j], which, &a, &b);
         const float *radiance = env->texel[rnd_env_texel(env, s, t, a, b)];
         const float level = sqrtf(direction.x * direction.x + direction.z * direction.z);
         rnd_put(&to->direction, j, direction);

@@ -13,24 +13,31 @@ void rnd_rays_init(struct rnd_tracer *tracer)
     }
 }
 
+/* Rays from where they begin to distance. */
+static struct RTCRayNp stream_of(struct rnd_ray_rest *rest, struct rnd_vectors *origin,
+                                 struct rnd_vectors *direction, float *distance)
+{
+    return (struct RTCRayNp){.org_x = origin->x,
+                             .org_y = origin->y,
+                             .org_z = origin->z,
+                             .tnear = rest->zero,
+                             .dir_x = direction->x,
+                             .dir_y = direction->y,
+                             .dir_z = direction->z,
+                             .time = rest->zero,
+                             .tfar = distance,
+                             .mask = rest->all,
+                             .id = rest->nothing,
+                             .flags = rest->nothing};
+}
+
 void rnd_intersect(struct rnd_tracer *tracer, struct rnd_paths *paths, uint32_t count, bool coherent)
 {
     struct rnd_hits *hits = &tracer->hits;
     struct rnd_ray_rest *rest = &tracer->ray_rest;
     struct RTCIntersectContext context;
     struct RTCRayHitNp stream = {
-        .ray = {.org_x = paths->origin.x,
-                .org_y = paths->origin.y,
-                .org_z = paths->origin.z,
-                .tnear = rest->zero,
-                .dir_x = paths->direction.x,
-                .dir_y = paths->direction.y,
-                .dir_z = paths->direction.z,
-                .time = rest->zero,
-                .tfar = hits->distance,
-                .mask = rest->all,
-                .id = rest->nothing,
-                .flags = rest->nothing},
+        .ray = stream_of(rest, &paths->origin, &paths->direction, hits->distance),
         .hit = {.Ng_x = hits->normal.x,
                 .Ng_y = hits->normal.y,
                 .Ng_z = hits->normal.z,
@@ -53,18 +60,19 @@ void rnd_intersect(struct rnd_tracer *tracer, struct rnd_paths *paths, uint32_t 
 
 void rnd_occlude(struct rnd_tracer *tracer)
 {
+    struct rnd_shadows *s = &tracer->shadows;
     struct RTCIntersectContext context;
-    if (tracer->shadows == 0) return;
-    tracer->rays += tracer->shadows;
+    if (s->count == 0) return;
+    tracer->rays += s->count;
+    const struct RTCRayNp stream =
+        stream_of(&tracer->ray_rest, &s->origin, &s->direction, s->distance);
     rtcInitIntersectContext(&context);
-    if (tracer->tape) rnd_tape_occlude(tracer->tape, tracer->shadow_ray, tracer->shadows);
-    rtcOccluded1M(tracer->scene->tree, &context, tracer->shadow_ray, tracer->shadows,
-                  sizeof *tracer->shadow_ray);
-    for (uint32_t i = 0; i < tracer->shadows; i++) {
-        if (tracer->shadow_ray[i].tfar < 0.0f) continue;
-        const struct rnd_shadow *s = &tracer->shadow[i];
-        tracer->io->radiance[0][s->id] += s->radiance.x;
-        tracer->io->radiance[1][s->id] += s->radiance.y;
-        tracer->io->radiance[2][s->id] += s->radiance.z;
+    if (tracer->tape) rnd_tape_occlude(tracer->tape, context.flags, &stream, s->count);
+    rtcOccludedNp(tracer->scene->tree, &context, &stream, s->count);
+    for (uint32_t i = 0; i < s->count; i++) {
+        if (s->distance[i] < 0.0f) continue;
+        tracer->io->radiance[0][s->id[i]] += s->radiance.x[i];
+        tracer->io->radiance[1][s->id[i]] += s->radiance.y[i];
+        tracer->io->radiance[2][s->id[i]] += s->radiance.z[i];
     }
 }

@@ -128,10 +128,16 @@ static void cast_shadows(struct rnd_tracer *tracer, uint32_t count)
     const struct rnd_paths *paths = &tracer->paths[1];
     const struct rnd_surfaces *s = &tracer->surfaces;
     const struct rnd_light_choices *lights = &tracer->lights;
-    uint32_t n = 0;
+    struct rnd_shadows *to = &tracer->shadows;
+    uint32_t *order = tracer->order, n = 0;
     for (uint32_t j = 0; j < count; j++) {
-        const struct rnd_v3 radiance = rnd_get(&tracer->scatters.brought, j);
-        if (!(rnd_v3_luminance(radiance) > 0.0f)) continue;
+        order[n] = j;
+        n += rnd_v3_luminance(rnd_get(&tracer->scatters.brought, j)) > 0.0f;
+    }
+    to->count = n;
+#pragma GCC ivdep
+    for (size_t i = 0; i < n; i++) {
+        const uint32_t j = order[i];
         const struct rnd_v3 p = rnd_get(&paths->origin, j), wi = rnd_get(&lights->direction, j),
                             normal = rnd_get(&s->geometric, j);
         const float off = offset_of(p, s->distance[j]), side = rnd_v3_dot(wi, normal) >= 0.0f ? off : -off;
@@ -139,19 +145,16 @@ static void cast_shadows(struct rnd_tracer *tracer, uint32_t count)
          * light would end behind it. */
         const struct rnd_v3 step = rnd_v3_scale(normal, side);
         const float far = lights->distance[j];
-        const struct rnd_v3 to = far < INFINITY ? rnd_v3_sub(rnd_v3_scale(wi, far), step) : wi;
-        const float length = rnd_larger(sqrtf(rnd_v3_dot(to, to)), 1e-30f);
-        tracer->shadow[n] = (struct rnd_shadow){paths->id[j], rnd_clamp_firefly(tracer, radiance)};
-        tracer->shadow_ray[n++] = (struct RTCRay){.org_x = p.x + step.x,
-                                                  .org_y = p.y + step.y,
-                                                  .org_z = p.z + step.z,
-                                                  .dir_x = to.x / length,
-                                                  .dir_y = to.y / length,
-                                                  .dir_z = to.z / length,
-                                                  .tfar = (far < INFINITY ? length : far) * (1.0f - 1e-4f),
-                                                  .mask = UINT32_MAX};
+        const int ends = far < INFINITY;
+        const struct rnd_v3 way = rnd_v3_sub(rnd_v3_scale(wi, ends ? far : 1.0f), step),
+                            towards = rnd_v3_select(ends, way, wi);
+        const float length = rnd_larger(sqrtf(rnd_v3_dot(towards, towards)), 1e-30f);
+        rnd_put(&to->origin, i, rnd_v3_add(p, step));
+        rnd_put(&to->direction, i, rnd_v3_scale(towards, 1.0f / length));
+        to->distance[i] = (ends ? length : far) * (1.0f - 1e-4f);
+        to->id[i] = paths->id[j];
+        rnd_put(&to->radiance, i, rnd_clamp_firefly(tracer, rnd_get(&tracer->scatters.brought, j)));
     }
-    tracer->shadows = n;
 }
 
 /* Throughput after the surface, and Russian roulette: a density below zero ends the path. */

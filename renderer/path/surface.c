@@ -16,6 +16,28 @@ static void add(struct rnd_tracer *tracer, uint32_t id, struct rnd_v3 brought)
     tracer->io->radiance[2][id] += radiance.z;
 }
 
+/* The environment's texel that each path of a list meets, by its own random neighbour of four, and the one
+ * that it falls into. Both are asked of memory. */
+static void sky_texels(struct rnd_tracer *tracer, const struct rnd_env *env, const uint32_t *list,
+                       uint32_t count, uint32_t *restrict out_near, uint32_t *restrict out_in)
+{
+    const struct rnd_paths *paths = &tracer->paths[0];
+    const uint32_t which = 256 + (uint32_t)tracer->depth;
+#pragma GCC ivdep
+    for (size_t k = 0; k < count; k++) {
+        const uint32_t i = list[k];
+        float u, v, r, s;
+        rnd_env_to_uv(env, rnd_get(&paths->direction, i), &u, &v);
+        rnd_dither(paths->seed[i], paths->index[i], which, &r, &s);
+        out_near[k] = rnd_env_texel(env, u, v, r, s);
+        out_in[k] = rnd_env_texel(env, u, v, 0.5f, 0.5f);
+    }
+    for (uint32_t k = 0; k < count; k++) {
+        __builtin_prefetch(env->texel[out_near[k]]);
+        __builtin_prefetch(env->texel[out_in[k]]);
+    }
+}
+
 /* The paths of a list left the scene: environment and sun. */
 static void sky(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count)
 {
@@ -23,16 +45,14 @@ static void sky(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count)
     const struct rnd_paths *paths = &tracer->paths[0];
     const struct rnd_env *env = lights->env;
     const struct rnd_sun *sun = lights->sun && lights->sun->cos_radius < 1.0f ? lights->sun : NULL;
+    uint32_t *near = tracer->corner[0], *in = tracer->corner[1]; /* not in use yet */
+    if (env) sky_texels(tracer, env, list, count, near, in);
     for (uint32_t k = 0; k < count; k++) {
         const uint32_t i = list[k];
         const struct rnd_v3 direction = rnd_get(&paths->direction, i);
         struct rnd_v3 radiance = {0, 0, 0};
         if (env) {
-            float u, v, r, s;
-            rnd_env_to_uv(env, direction, &u, &v);
-            rnd_dither(paths->seed[i], paths->index[i], 256 + (uint32_t)tracer->depth, &r, &s);
-            const float *t = env->texel[rnd_env_texel(env, u, v, r, s)],
-                        density = env->texel[rnd_env_texel(env, u, v, 0.5f, 0.5f)][3];
+            const float *t = env->texel[near[k]], density = env->texel[in[k]][3];
             const float level = sqrtf(direction.x * direction.x + direction.z * direction.z);
             const float other = lights->choose[RND_LIGHT_ENV] * density / rnd_larger(level, 1e-6f);
             const float weight = paths->pdf[i] > 0.0f ? rnd_power_heuristic(paths->pdf[i], other) : 1.0f;
@@ -386,9 +406,11 @@ uint32_t ISA(rnd_surface)(struct rnd_tracer *tracer, uint32_t count)
     gather(tracer, order, hit);
     face(tracer, hit);
     if (scene->instance_count > 0) face_instances(tracer, hit);
-    base_colours(tracer, 0, s->end[RND_METAL_ROUGH]);
-    reflectances(tracer, s->end[RND_DIFFUSE], s->end[RND_METAL_ROUGH]);
-    bend_normals(tracer, s->end[RND_DIFFUSE], s->end[RND_METAL_ROUGH]);
+    if (!rnd_is_last(tracer)) { /* there paths end, and what surfaces reflect is not asked any more */
+        base_colours(tracer, 0, s->end[RND_METAL_ROUGH]);
+        reflectances(tracer, s->end[RND_DIFFUSE], s->end[RND_METAL_ROUGH]);
+        bend_normals(tracer, s->end[RND_DIFFUSE], s->end[RND_METAL_ROUGH]);
+    }
     rich_points(tracer, s->end[RND_METAL_ROUGH], hit);
     return hit;
 }

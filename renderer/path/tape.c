@@ -7,12 +7,12 @@
 
 enum { RAY_ARRAYS = 12, HIT_ARRAYS = 8 };
 
-/* With its rays behind it: of a stream of intersections the arrays that RTCRayHitNp names, in its order; of
- * shadow rays themselves. */
+/* With its rays behind it: the arrays that RTCRayNp names, in its order, and those of hits. */
 struct call {
     struct call *next;
     uint32_t count;
-    int flags; /* of intersections; -1: shadow rays */
+    int flags;
+    bool shadows; /* without arrays of hits */
     float data[] __attribute__((aligned(64)));
 };
 
@@ -54,53 +54,51 @@ static uint32_t stride(uint32_t count)
     return (count + 15u) & ~15u;
 }
 
-void rnd_tape_intersect(struct rnd_tape *tape, int flags, const struct RTCRayHitNp *stream, uint32_t count)
+static void record(struct rnd_tape *tape, bool shadows, int flags, const struct RTCRayNp *ray,
+                   uint32_t count)
 {
-    const struct RTCRayNp *ray = &stream->ray;
     const void *from[RAY_ARRAYS] = {ray->org_x, ray->org_y, ray->org_z, ray->tnear, ray->dir_x, ray->dir_y,
                                     ray->dir_z, ray->time,  ray->tfar,  ray->mask,  ray->id,    ray->flags};
-    const uint32_t n = stride(count);
-    struct call *call = add(tape, (RAY_ARRAYS + HIT_ARRAYS) * n * sizeof(float));
+    const uint32_t n = stride(count), hits = shadows ? 0 : HIT_ARRAYS;
+    struct call *call = add(tape, (RAY_ARRAYS + hits) * n * sizeof(float));
     if (!call) return;
     call->count = count;
     call->flags = flags;
+    call->shadows = shadows;
     for (int i = 0; i < RAY_ARRAYS; i++) memcpy(call->data + (size_t)i * n, from[i], count * sizeof(float));
-    memset(call->data + (size_t)RAY_ARRAYS * n, 0xff,
-           HIT_ARRAYS * n * sizeof(float)); /* no geometry, no instance */
+    memset(call->data + (size_t)RAY_ARRAYS * n, 0xff, hits * n * sizeof(float)); /* no geometry, no instance */
 }
 
-void rnd_tape_occlude(struct rnd_tape *tape, const struct RTCRay *rays, uint32_t count)
+void rnd_tape_intersect(struct rnd_tape *tape, int flags, const struct RTCRayHitNp *stream, uint32_t count)
 {
-    struct call *call = add(tape, count * sizeof *rays);
-    if (!call) return;
-    call->count = count;
-    call->flags = -1;
-    memcpy(call->data, rays, count * sizeof *rays);
+    record(tape, false, flags, &stream->ray, count);
 }
 
-static void intersect(struct call *call, RTCScene scene, struct RTCIntersectContext *context)
+void rnd_tape_occlude(struct rnd_tape *tape, int flags, const struct RTCRayNp *stream, uint32_t count)
+{
+    record(tape, true, flags, stream, count);
+}
+
+static void play(struct call *call, RTCScene scene)
 {
     float *f[RAY_ARRAYS + HIT_ARRAYS];
     for (int i = 0; i < RAY_ARRAYS + HIT_ARRAYS; i++) f[i] = call->data + (size_t)i * stride(call->count);
-    struct RTCRayHitNp stream = {
-        .ray = {f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8], (unsigned *)f[9], (unsigned *)f[10],
-                (unsigned *)f[11]},
-        .hit = {
-            f[12], f[13], f[14], f[15], f[16], (unsigned *)f[17], (unsigned *)f[18], {(unsigned *)f[19]}}};
-    rtcIntersectNp(scene, context, &stream, call->count);
+    struct RTCRayHitNp stream = {.ray = {f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8],
+                                         (unsigned *)f[9], (unsigned *)f[10], (unsigned *)f[11]}};
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = (enum RTCIntersectContextFlags)call->flags;
+    if (call->shadows) {
+        rtcOccludedNp(scene, &context, &stream.ray, call->count);
+        return;
+    }
+    stream.hit = (struct RTCHitNp){
+        f[12], f[13], f[14], f[15], f[16], (unsigned *)f[17], (unsigned *)f[18], {(unsigned *)f[19]}};
+    rtcIntersectNp(scene, &context, &stream, call->count);
 }
 
 bool rnd_tape_play(struct rnd_tape *tape, RTCScene scene)
 {
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    for (struct call *call = tape->first; call; call = call->next) {
-        context.flags =
-            call->flags < 0 ? RTC_INTERSECT_CONTEXT_FLAG_NONE : (enum RTCIntersectContextFlags)call->flags;
-        if (call->flags >= 0)
-            intersect(call, scene, &context);
-        else
-            rtcOccluded1M(scene, &context, (struct RTCRay *)call->data, call->count, sizeof(struct RTCRay));
-    }
+    for (struct call *call = tape->first; call; call = call->next) play(call, scene);
     return !tape->broken;
 }

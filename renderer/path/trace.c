@@ -116,7 +116,7 @@ uint64_t rnd_trace(struct rnd_tracer *tracer, const float eye[3], struct rnd_wav
         count = stages->surface(tracer, count);
         stages->emission(tracer, count);
         book(tracer, RND_STAGE_SURFACE, &last_ns);
-        if (tracer->max_bounces > 0 && tracer->depth >= tracer->max_bounces) break;
+        if (rnd_is_last(tracer)) break;
         stages->choose_lights(tracer, count);
         book(tracer, RND_STAGE_LIGHT, &last_ns);
         count = stages->scatter(tracer, count);

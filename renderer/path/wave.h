@@ -90,9 +90,12 @@ enum { RND_LISTS = 4 };
 _Static_assert((int)RND_LISTS >= (int)RND_LIGHT_GROUPS && (int)RND_LISTS >= (int)RND_RICH + 2,
                "a list for each, and one of misses");
 
-struct rnd_shadow {
-    uint32_t id;
-    struct rnd_v3 radiance;
+/* Shadow rays, and what their paths bring if they get through. */
+struct rnd_shadows {
+    uint32_t count;
+    struct rnd_vectors origin, direction, radiance;
+    rnd_floats distance; /* -INFINITY once something was found in between */
+    rnd_words id;        /* as of paths */
 };
 
 enum rnd_stage { RND_STAGE_RAYS, RND_STAGE_SURFACE, RND_STAGE_LIGHT, RND_STAGE_SCATTER, RND_STAGES };
@@ -123,9 +126,7 @@ struct rnd_tracer {
     struct rnd_scatters scatters;
     rnd_floats number[4];              /* random ones of the stage under way */
     struct rnd_surface rich[RND_WAVE]; /* of the points whose material is rich, in their order */
-    uint32_t shadows;
-    struct rnd_shadow shadow[RND_WAVE];
-    struct RTCRay shadow_ray[RND_WAVE];
+    struct rnd_shadows shadows;
     rnd_words order;
     rnd_words list[RND_LISTS]; /* of misses, kinds of material, groups of lights */
     rnd_words corner[3];       /* normals of hit triangles */
@@ -142,6 +143,12 @@ RND_INLINE void rnd_put(struct rnd_vectors *to, size_t i, struct rnd_v3 value)
     to->x[i] = value.x;
     to->y[i] = value.y;
     to->z[i] = value.z;
+}
+
+/* Do paths end at the surfaces of this step? */
+RND_INLINE bool rnd_is_last(const struct rnd_tracer *tracer)
+{
+    return tracer->max_bounces > 0 && tracer->depth >= tracer->max_bounces;
 }
 
 /* Dimensions that a vertex of a path uses, from RND_DIMENSION_PATH on. */
