@@ -118,19 +118,23 @@ static void choose_area(struct rnd_tracer *tracer, const uint32_t *list, uint32_
     struct rnd_light_choices *to = &tracer->lights;
     uint32_t *entry = tracer->order;
     draw_entries(tracer, &lights->area_alias, list, count, lights->area, sizeof *lights->area, entry);
-    for (uint32_t k = 0; k < count; k++) {
+    float *at_s = tracer->look_x, *at_t = tracer->look_y; /* not in use now */
+#pragma GCC ivdep
+    for (size_t k = 0; k < count; k++) {
         const uint32_t j = list[k];
         const struct rnd_area *area = &lights->area[entry[k]];
         struct rnd_v3 direction;
-        float s, t;
         to->pdf[j] = rnd_area_draw(lights, area, rnd_get(&tracer->paths[1].origin, j), tracer->number[2][j],
-                                   tracer->number[3][j], &direction, &to->distance[j], &s, &t);
+                                   tracer->number[3][j], &direction, &to->distance[j], &at_s[k], &at_t[k]);
         to->delta[j] = 0;
-        if (!(to->pdf[j] > 0.0f)) continue;
         rnd_put(&to->direction, j, direction);
-        rnd_put(&to->radiance, j,
-                area->flags & RND_AREA_TEXTURED ? rnd_area_emission(tracer->scene, area, s, t)
-                                                : area->emission);
+        rnd_put(&to->radiance, j, area->emission);
+    }
+    for (uint32_t k = 0; lights->area_textured && k < count; k++) {
+        const uint32_t j = list[k];
+        const struct rnd_area *area = &lights->area[entry[k]];
+        if ((area->flags & RND_AREA_TEXTURED) && to->pdf[j] > 0.0f)
+            rnd_put(&to->radiance, j, rnd_area_emission(tracer->scene, area, at_s[k], at_t[k]));
     }
 }
 

@@ -192,7 +192,7 @@ static void face_instances(struct rnd_tracer *tracer, uint32_t count)
 /* --- materials --- */
 
 /* log2 to a tenth: the exponent, and the mantissa as if it were straight. */
-static float roughly_log2(float x)
+RND_INLINE float roughly_log2(float x)
 {
     int32_t bits;
     memcpy(&bits, &x, sizeof bits);
@@ -203,42 +203,56 @@ static float roughly_log2(float x)
  * there may mix in what no face shows, and its light goes on. */
 #define INDIRECT_FINER 5.0f
 
-/* The mipmap level whose texels are half as large as the path's cone where it hit, or finer by so much. */
-static int level_of(const struct rnd_texture *texture, float lod, float width, float cosine, float finer)
+/* Note that a map is to be looked up for a point. */
+static void note(struct rnd_tracer *tracer, const struct rnd_map *map, uint32_t j, uint32_t *looks)
 {
-    /* longer by 1 / cosine one way alone: the mean of both */
-    const float footprint = rnd_larger(width, 1e-12f) / sqrtf(rnd_larger(cosine, 0.01f));
-    const float level =
-        lod + texture->log2_size + roughly_log2(footprint) - finer - 0.5f; /* -1, and 1/2 to round */
-    const float last = (float)(texture->levels - 1);
-    return (int)rnd_smaller(rnd_larger(level, 0.0f), last);
-}
-
-/* Look up a map for the point, by its own random neighbour of four; the texel is asked of memory now, and
- * read later. */
-static void ask(struct rnd_tracer *tracer, const struct rnd_map *map, uint32_t j, uint32_t *looks)
-{
-    const struct rnd_paths *paths = &tracer->paths[1];
     const struct rnd_surfaces *s = &tracer->surfaces;
     const struct rnd_texture *texture = &tracer->scene->texture[map->texture];
     const struct rnd_record *record = &tracer->scene->record[s->record[j]];
     const float u = s->u[j], v = s->v[j], w = 1.0f - u - v, *m = map->transform;
     float x = w * record->uv[0][0] + u * record->uv[1][0] + v * record->uv[2][0],
-          y = w * record->uv[0][1] + u * record->uv[1][1] + v * record->uv[2][1], r, t;
+          y = w * record->uv[0][1] + u * record->uv[1][1] + v * record->uv[2][1];
     if (map->has_transform) {
         const float own = x;
         x = m[0] * own + m[1] * y + m[2];
         y = m[3] * own + m[4] * y + m[5];
     }
-    rnd_dither(paths->seed[j], paths->index[j], (uint32_t)tracer->depth, &r, &t);
-    const float cosine = fabsf(rnd_v3_dot(rnd_get(&paths->direction, j), rnd_get(&s->normal, j)));
-    const size_t texel = rnd_texture_pick(
-        texture, map->wrap, x, y,
-        level_of(texture, record->lod, s->footprint[j], cosine, tracer->depth > 0 ? INDIRECT_FINER : 0.0f), r,
-        t);
-    tracer->look[(*looks)++] = (struct rnd_look){texture, texel, j};
-    __builtin_prefetch(texture->bytes ? (const void *)(texture->bytes + 4 * texel)
-                                      : (const void *)(texture->floats + 4 * texel));
+    const uint32_t k = (*looks)++;
+    tracer->look[k] = (struct rnd_look){.texture = texture, .map = map, .point = j};
+    tracer->look_x[k] = x;
+    tracer->look_y[k] = y;
+    tracer->look_level[k] = record->lod + texture->log2_size;
+}
+
+/* Choose the texels: of the mipmap level whose texels are half as large as the path's cone where it hit, or
+ * finer, each look its own random neighbour of four. They are asked of memory now, and read later. */
+static void ask(struct rnd_tracer *tracer, uint32_t looks)
+{
+    const struct rnd_paths *paths = &tracer->paths[1];
+    const struct rnd_surfaces *s = &tracer->surfaces;
+    struct rnd_look *look = tracer->look;
+    float *level = tracer->look_level, *r = tracer->number[0], *t = tracer->number[1];
+    /* -1 for half of the cone, and 1/2 to round */
+    const float finer = 0.5f + (tracer->depth > 0 ? INDIRECT_FINER : 0.0f);
+    const uint32_t which = (uint32_t)tracer->depth;
+#pragma GCC ivdep
+    for (size_t k = 0; k < looks; k++) {
+        const uint32_t j = look[k].point;
+        const float cosine = fabsf(rnd_v3_dot(rnd_get(&paths->direction, j), rnd_get(&s->normal, j)));
+        /* longer by 1 / cosine one way alone: the mean of both */
+        const float footprint = rnd_larger(s->footprint[j], 1e-12f) / sqrtf(rnd_larger(cosine, 0.01f));
+        level[k] = rnd_larger(level[k] + roughly_log2(footprint) - finer, 0.0f);
+        rnd_dither(paths->seed[j], paths->index[j], which, &r[k], &t[k]);
+    }
+    for (uint32_t k = 0; k < looks; k++) {
+        const struct rnd_texture *texture = look[k].texture;
+        const int l = (int)rnd_smaller(level[k], (float)(texture->levels - 1));
+        const size_t texel = rnd_texture_pick(texture, look[k].map->wrap, tracer->look_x[k],
+                                              tracer->look_y[k], l, r[k], t[k]);
+        look[k].texel = texel;
+        __builtin_prefetch(texture->bytes ? (const void *)(texture->bytes + 4 * texel)
+                                          : (const void *)(texture->floats + 4 * texel));
+    }
 }
 
 static struct rnd_v3 vertex_colour(const struct rnd_tracer *tracer, uint32_t j)
@@ -263,8 +277,9 @@ static void base_colours(struct rnd_tracer *tracer, uint32_t begin, uint32_t end
         struct rnd_v3 base = {material->base.x, material->base.y, material->base.z};
         if (scene->mesh[s->mesh[j]].colour) base = rnd_v3_mul(base, vertex_colour(tracer, j));
         rnd_put(&s->base, j, base);
-        if (material->map[RND_MAP_BASE].texture >= 0) ask(tracer, &material->map[RND_MAP_BASE], j, &looks);
+        if (material->map[RND_MAP_BASE].texture >= 0) note(tracer, &material->map[RND_MAP_BASE], j, &looks);
     }
+    ask(tracer, looks);
     for (uint32_t k = 0; k < looks; k++) {
         const struct rnd_texel t = rnd_texture_texel(look[k].texture, look[k].texel);
         const uint32_t j = look[k].point;
@@ -288,8 +303,9 @@ static void reflectances(struct rnd_tracer *tracer, uint32_t begin, uint32_t end
         s->f0[j] = material->f0;
         s->f90[j] = material->specular;
         const struct rnd_map *map = &material->map[RND_MAP_METAL_ROUGH];
-        if (map->texture >= 0) ask(tracer, map, j, &looks);
+        if (map->texture >= 0) note(tracer, map, j, &looks);
     }
+    ask(tracer, looks);
     for (uint32_t k = 0; k < looks; k++) {
         const struct rnd_texel t = rnd_texture_texel(look[k].texture, look[k].texel);
         s->alpha[look[k].point] *= t.g;
@@ -307,8 +323,9 @@ static void bend_normals(struct rnd_tracer *tracer, uint32_t begin, uint32_t end
     uint32_t looks = 0;
     for (uint32_t j = begin; j < end; j++) {
         const struct rnd_map *map = &scene->material[s->material[j]].map[RND_MAP_NORMAL];
-        if (map->texture >= 0) ask(tracer, map, j, &looks);
+        if (map->texture >= 0) note(tracer, map, j, &looks);
     }
+    ask(tracer, looks);
     for (uint32_t k = 0; k < looks; k++) {
         const uint32_t j = look[k].point;
         const struct rnd_texel t = rnd_texture_texel(look[k].texture, look[k].texel);

@@ -82,6 +82,7 @@ struct rnd_scatters {
 /* A texel on its way from memory. */
 struct rnd_look {
     const struct rnd_texture *texture;
+    const struct rnd_map *map;
     size_t texel;
     uint32_t point;
 };
@@ -131,6 +132,8 @@ struct rnd_tracer {
     rnd_words list[RND_LISTS]; /* of misses, kinds of material, groups of lights */
     rnd_words corner[3];       /* normals of hit triangles */
     struct rnd_look look[RND_WAVE];
+    rnd_floats look_x, look_y; /* texture coordinates */
+    rnd_floats look_level;     /* of mipmaps */
 };
 
 RND_INLINE struct rnd_v3 rnd_get(const struct rnd_vectors *from, size_t i)

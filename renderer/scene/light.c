@@ -106,6 +106,7 @@ static bool build_area(struct rnd_scene *scene, double *out_power)
         for (uint32_t t = 0; t < mesh->triangles; t++) {
             struct rnd_area *area = &lights->area[lights->area_count];
             *area = make_area(scene, m, t);
+            lights->area_textured |= (area->flags & RND_AREA_TEXTURED) != 0;
             power[lights->area_count] = power_of(scene, area);
             sum += power[lights->area_count++];
         }

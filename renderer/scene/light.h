@@ -147,6 +147,7 @@ enum { RND_LIGHT_AREA, RND_LIGHT_ENV, RND_LIGHT_SUN, RND_LIGHT_PUNCTUAL, RND_LIG
 struct rnd_lights {
     float choose[RND_LIGHT_GROUPS]; /* probability of each group */
     uint32_t area_count;
+    bool area_textured; /* some of them are */
     struct rnd_area *area;
     struct rnd_alias area_alias; /* by power */
     struct rnd_env *env;
