@@ -32,26 +32,31 @@ RND_INLINE void disc(float a, float b, float *out_u, float *out_turn)
     *out_u = rnd_smaller(r * r, 0x1.fffffep-1f);
 }
 
-/* Directions from u and azimuths; eccentricity[i] in degrees. */
+enum { SOME = 64 }; /* positions at a time */
+
+/* Directions from u and azimuths, SOME at most; eccentricity[i] in degrees. */
 static void put(const struct rnd_aim *aim, size_t count, const float *eccentricity, const float *turn,
                 float *out)
 {
     const struct rnd_v3 gaze = {aim->gaze[0], aim->gaze[1], aim->gaze[2]};
     const struct rnd_v3_frame frame = rnd_v3_frame(gaze);
     const float scale = spread_of(aim) / 360.0f;
-#pragma omp simd
+    float x[SOME], y[SOME], z[SOME]; /* loops over triples stay scalar */
     for (size_t i = 0; i < count; i++) {
         float se, ce, sa, ca;
         rnd_turn(eccentricity[i] * scale, &se, &ce);
         rnd_turn(turn[i], &sa, &ca);
         const struct rnd_v3 d = rnd_v3_to_world(&frame, rnd_v3(se * ca, se * sa, ce));
-        out[3 * i] = d.x;
-        out[3 * i + 1] = d.y;
-        out[3 * i + 2] = d.z;
+        x[i] = d.x;
+        y[i] = d.y;
+        z[i] = d.z;
+    }
+    for (size_t i = 0; i < count; i++) {
+        out[3 * i] = x[i];
+        out[3 * i + 1] = y[i];
+        out[3 * i + 2] = z[i];
     }
 }
-
-enum { SOME = 64 }; /* positions at a time */
 
 /* Per steradian, from a density per degree of eccentricity; e / sin e is 180 / pi at the gaze itself. */
 static float per_steradian(float e_deg, float per_degree)
@@ -134,7 +139,7 @@ static void polynomial_sample(const struct rnd_aim *aim, size_t count, const flo
     float e[SOME], turn[SOME];
     for (size_t first = 0; first < count; first += SOME) {
         const size_t n = count - first < SOME ? count - first : SOME;
-#pragma omp simd
+#pragma GCC ivdep
         for (size_t i = 0; i < n; i++) {
             float v;
             disc(u[2 * (first + i)], u[2 * (first + i) + 1], &v, &turn[i]);

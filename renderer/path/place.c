@@ -22,23 +22,34 @@ enum {
 #define FLOOR 0.125f
 
 /* tile * RND_TILE_PIXELS + pixel within it */
-RND_INLINE uint32_t pixel_index(const struct rnd_film *film, uint32_t x, uint32_t y)
+RND_INLINE uint32_t pixel_index(uint32_t across, uint32_t x, uint32_t y)
 {
-    const uint32_t tile = y / RND_TILE * (uint32_t)film->across + x / RND_TILE;
+    const uint32_t tile = y / RND_TILE * across + x / RND_TILE;
     return tile * RND_TILE_PIXELS + y % RND_TILE * RND_TILE + x % RND_TILE;
 }
 
-/* Of count directions. */
-static void pixels_of(const struct rnd_film *film, size_t count, const float *direction, uint32_t *out_pixel)
+enum { SOME = 256 }; /* positions at a time */
+
+/* Of count directions, SOME at most. */
+static void pixels_of(const struct rnd_film *film, uint32_t count, const float *direction,
+                      uint32_t *out_pixel)
 {
     const float width = (float)film->width, height = (float)film->height;
-#pragma omp simd
+    const uint32_t across = (uint32_t)film->across;
+    float x[SOME], y[SOME], z[SOME]; /* loops over triples stay scalar */
+    uint32_t pixel[SOME];
+    for (uint32_t i = 0; i < count; i++) {
+        x[i] = direction[3 * i];
+        y[i] = direction[3 * i + 1];
+        z[i] = direction[3 * i + 2];
+    }
     for (size_t i = 0; i < count; i++) {
         float u, v;
-        rnd_v3_to_uv(rnd_v3(direction[3 * i], direction[3 * i + 1], direction[3 * i + 2]), &u, &v);
-        out_pixel[i] = pixel_index(film, (uint32_t)(int32_t)rnd_smaller(u * width, width - 1.0f),
-                                   (uint32_t)(int32_t)rnd_smaller(v * height, height - 1.0f));
+        rnd_v3_to_uv(rnd_v3(x[i], y[i], z[i]), &u, &v);
+        pixel[i] = pixel_index(across, (uint32_t)(int32_t)rnd_smaller(u * width, width - 1.0f),
+                               (uint32_t)(int32_t)rnd_smaller(v * height, height - 1.0f));
     }
+    memcpy(out_pixel, pixel, count * sizeof *pixel);
 }
 
 /* How many cells along a side: so many, a power of two, that where samples are densest, at the gaze, a cell
@@ -69,8 +80,6 @@ static bool is_quiet(const struct rnd_render *render, const struct rnd_aim *aim,
            rnd_tile_settled(render, tile, (int)index % render->film.across, (int)index / render->film.across,
                             aim->gaze);
 }
-
-enum { SOME = 256 }; /* positions at a time */
 
 /* The tiles in the middle of count cells, SOME at most, from the next one on. */
 static void middles(const struct rnd_render *render, const struct rnd_aim *aim, uint32_t count,
@@ -119,7 +128,7 @@ static void draw(struct rnd_render *render, const struct rnd_aim *aim, uint32_t 
             const uint32_t cell = render->cell[c + k], seed = render->seed + 3;
             float corner[2], *to = &u[2 * CELL * k];
             corner_of(render, cell, corner);
-#pragma omp simd
+#pragma GCC ivdep
             for (uint32_t within = 0; within < CELL; within++) {
                 const uint32_t h = rnd_hash2(seed, cell * CELL + within);
                 to[2 * within] = corner[0] + quarter * ((float)(int32_t)(within % 4) +
@@ -138,10 +147,10 @@ static void draw(struct rnd_render *render, const struct rnd_aim *aim, uint32_t 
 /* A random pixel of each cell of the outline. */
 static void outline(struct rnd_render *render, uint32_t paths)
 {
-    const uint32_t across = (uint32_t)render->film.width / RND_OUTLINE;
+    const uint32_t across = (uint32_t)render->film.width / RND_OUTLINE, tiles = (uint32_t)render->film.across;
     for (uint32_t i = 0; i < paths; i++) {
         const uint32_t h = rnd_hash2(render->seed + 1, i);
-        render->pixel[i] = pixel_index(&render->film, i % across * RND_OUTLINE + h % RND_OUTLINE,
+        render->pixel[i] = pixel_index(tiles, i % across * RND_OUTLINE + h % RND_OUTLINE,
                                        i / across * RND_OUTLINE + h / RND_OUTLINE % RND_OUTLINE);
     }
 }
