@@ -14,7 +14,7 @@ struct rnd_worker; /* one thread's own memory: path/batch.c */
 /* The paths of a tile in a batch. */
 struct rnd_run {
     uint32_t tile, first, end;
-    _Atomic uint32_t left; /* half waves that still have some of them */
+    _Atomic uint32_t left; /* parts of waves that still have some of them */
 };
 
 struct rnd_render {

@@ -19,7 +19,8 @@
 
 enum {
     MAX_THREADS = 1024,
-    HALVED = 4, /* waves of a batch, the last ones, that are traced by halves */
+    PARTS = 4,  /* of a wave */
+    LATE = 4,   /* waves of a batch, the last ones, that are traced by parts: two by halves, two by quarters */
 };
 
 struct rnd_worker {
@@ -35,7 +36,7 @@ struct work {
     struct rnd_render *render;
     const struct rnd_aim *aim;
     uint64_t now_ns;
-    uint32_t paths, half, waves, step; /* half: paths of half a wave */
+    uint32_t paths, part, waves, step; /* part: paths of a part of a wave */
     _Atomic uint32_t next;             /* turn that no thread has taken yet */
 };
 
@@ -81,8 +82,8 @@ static void trace_wave(struct rnd_render *render, struct rnd_worker *worker, uin
     }
 }
 
-/* Half a wave is done: add to the film the tiles of which it was the last. */
-static void finish_half(const struct work *work, struct rnd_worker *worker, uint32_t first, uint32_t end)
+/* A part of a wave is done: add to the film the tiles of which it was the last. */
+static void finish_part(const struct work *work, struct rnd_worker *worker, uint32_t first, uint32_t end)
 {
     struct rnd_render *render = work->render;
     const uint64_t start = now_ns();
@@ -95,16 +96,22 @@ static void finish_half(const struct work *work, struct rnd_worker *worker, uint
     worker->film_ns += now_ns() - start;
 }
 
-/* What is traced in turn k: from half *out_half on so many halves; 0: there is no such turn. The last waves
- * go by halves, so that threads end together. They are not taken in the order of the tiles, so that what a
- * stale aim leaves out is not always the lower half of the sphere. */
-static uint32_t halves_of(const struct work *work, uint32_t k, uint32_t *out_half)
+/* What is traced in turn k: from part *out_part on so many parts; 0: there is no such turn. The last waves go
+ * by halves and then by quarters, so that threads end together. Waves are not taken in the order of the
+ * tiles, so that what a stale aim leaves out is not always the lower half of the sphere. */
+static uint32_t parts_of(const struct work *work, uint32_t k, uint32_t *out_part)
 {
-    const uint32_t whole = work->waves > HALVED ? work->waves - HALVED : 0;
-    const uint32_t late = k < whole ? 0 : k - whole, turn = k < whole ? k : whole + late / 2;
+    const uint32_t whole = work->waves > LATE ? work->waves - LATE : 0, halved = whole + LATE / 2;
+    uint32_t turn = k, within = 0, parts = PARTS;
+    if (k >= whole) {
+        const uint32_t late = k - whole, quarters = late - (late < LATE ? late : LATE);
+        turn = late < LATE ? whole + late / 2 : halved + quarters / PARTS;
+        within = late < LATE ? late % 2 * (PARTS / 2) : quarters % PARTS;
+        parts = late < LATE ? PARTS / 2 : 1;
+    }
     if (turn >= work->waves) return 0;
-    *out_half = 2 * (uint32_t)((uint64_t)turn * work->step % work->waves) + late % 2;
-    return k < whole ? 2 : 1;
+    *out_part = PARTS * (uint32_t)((uint64_t)turn * work->step % work->waves) + within;
+    return parts;
 }
 
 /* Take turns until none is left; once the aim is stale, leave their paths out. */
@@ -112,10 +119,10 @@ static void trace(void *context, int index)
 {
     struct work *work = context;
     struct rnd_render *render = work->render;
-    for (uint32_t half, halves;;) {
-        halves = halves_of(work, atomic_fetch_add_explicit(&work->next, 1, memory_order_relaxed), &half);
-        if (halves == 0) break;
-        const uint32_t first = half * work->half, last = first + halves * work->half,
+    for (uint32_t part, parts;;) {
+        parts = parts_of(work, atomic_fetch_add_explicit(&work->next, 1, memory_order_relaxed), &part);
+        if (parts == 0) break;
+        const uint32_t first = part * work->part, last = first + parts * work->part,
                        end = last < work->paths ? last : work->paths;
         if (first >= end) continue;
         const atomic_bool *stale = work->aim->stale;
@@ -123,9 +130,9 @@ static void trace(void *context, int index)
             for (uint32_t p = first; p < end; p++) render->sample[p].pixel = RND_TILE_PIXELS;
         else
             trace_wave(render, &render->worker[index], first, end);
-        for (uint32_t from = first; from < end; from += work->half)
-            finish_half(work, &render->worker[index], from,
-                        from + work->half < end ? from + work->half : end);
+        for (uint32_t from = first; from < end; from += work->part)
+            finish_part(work, &render->worker[index], from,
+                        from + work->part < end ? from + work->part : end);
     }
 }
 
@@ -142,14 +149,14 @@ static void cut(struct work *work)
     const uint32_t most = work->paths < 32 * RND_WAVE ? RND_WAVE / 2 : RND_WAVE;
     work->waves = (work->paths + most - 1) / most;
     if (work->waves > 2) work->waves = (work->waves + 3) / 4 * 4;
-    work->half = (work->paths + 2 * work->waves - 1) / (2 * work->waves);
-    work->waves = (work->paths + 2 * work->half - 1) / (2 * work->half);
+    work->part = (work->paths + PARTS * work->waves - 1) / (PARTS * work->waves);
+    work->waves = (work->paths + PARTS * work->part - 1) / (PARTS * work->part);
     /* About the golden section of them apart, and all of them. */
     work->step = (uint32_t)(0.618 * work->waves) | 1u;
     while (divisor(work->step, work->waves) != 1) work->step++;
     for (uint32_t r = 0; r < render->runs; r++) {
         struct rnd_run *run = &render->run[r];
-        atomic_init(&run->left, (run->end - 1) / work->half - run->first / work->half + 1);
+        atomic_init(&run->left, (run->end - 1) / work->part - run->first / work->part + 1);
     }
 }
 
