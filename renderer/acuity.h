@@ -5,7 +5,7 @@
 #include "path/v3.h"
 #include "renderer.h"
 
-#define RND_FOVEA_DEG 5.79 /* up to here acuity is whole (Reddy 2001) */
+#define RND_FOVEA_DEG 5.79  /* up to here acuity is whole (Reddy 2001) */
 #define RND_OUTER_DEG 80.0f /* the model ends here (Koskela 2018) */
 
 /* Integral of g(e) = 2 pi e m(e) from 0 to e, both in degrees (Koskela 2018 eq. 5). */

@@ -19,8 +19,8 @@
 
 enum {
     MAX_THREADS = 1024,
-    PARTS = 4,  /* of a wave */
-    LATE = 4,   /* waves of a batch, the last ones, that are traced by parts: two by halves, two by quarters */
+    PARTS = 4, /* of a wave */
+    LATE = 4,  /* waves of a batch, the last ones, that are traced by parts: two by halves, two by quarters */
 };
 
 struct rnd_worker {
@@ -288,9 +288,8 @@ struct rnd_render *rnd_render_create(const struct rnd_scene *scene, const struct
     render->start = malloc((tiles + 1) * sizeof *render->start);
     bool ok = render->worker && render->pool && render->start;
     for (long i = 0; ok && i < threads; i++)
-        ok = (render->worker[i].tracer =
-                  rnd_tracer_create(scene, options->max_bounces, options->firefly, width,
-                                    render->seed)) != NULL;
+        ok = (render->worker[i].tracer = rnd_tracer_create(scene, options->max_bounces, options->firefly,
+                                                           width, render->seed)) != NULL;
     if (ok &&
         rnd_film_init(&render->film, width, height, options->error_bar > 0.0f ? options->error_bar : 0.05f))
         return render;

@@ -2,32 +2,26 @@
  * found worth while, and within a group by power. */
 #include "path/wave.h"
 
-/* Sort the points into the groups' lists; what is left of the first number chooses again within the group. */
-static void choose_groups(struct rnd_tracer *tracer, uint32_t count, uint32_t number[RND_LIGHT_GROUPS])
+/* Sort the points into the groups' lists, and note for each its group and where in the list it is; what is
+ * left of the first number chooses again within the group. */
+static void choose_groups(struct rnd_tracer *tracer, uint32_t count, uint32_t number[RND_LIGHT_GROUPS],
+                          uint32_t *restrict out_group, uint32_t *restrict out_rank)
 {
     const float *choose = tracer->scene->lights.choose;
-    int only = -1;
-    uint32_t first = RND_LIGHT_GROUPS - 1;
-    for (int g = RND_LIGHT_GROUPS - 1; g >= 0; g--) {
-        number[g] = 0;
-        if (choose[g] > 0.0f) first = (uint32_t)g;
-        if (choose[g] >= 1.0f) only = g;
-    }
-    if (only >= 0) {
-        for (uint32_t j = 0; j < count; j++) tracer->list[only][j] = j;
-        number[only] = count;
-        return;
-    }
     /* Where each group begins in [0, 1), and one over its length. What has no length begins where no number
      * is. */
     float begin[RND_LIGHT_GROUPS], stretch[RND_LIGHT_GROUPS], sum = 0.0f;
-    for (int g = 0; g < RND_LIGHT_GROUPS; g++) {
-        begin[g] = choose[g] > 0.0f ? sum : 2.0f;
-        stretch[g] = choose[g] > 0.0f ? 1.0f / choose[g] : 0.0f;
+    uint32_t first = RND_LIGHT_GROUPS;
+    for (uint32_t g = 0; g < RND_LIGHT_GROUPS; g++) {
+        const bool any = choose[g] > 0.0f;
+        if (any && first == RND_LIGHT_GROUPS) first = g;
+        begin[g] = any ? sum : 2.0f;
+        stretch[g] = any ? 1.0f / choose[g] : 0.0f;
         sum += choose[g];
+        number[g] = 0;
     }
+    first = first < RND_LIGHT_GROUPS ? first : 0;
     float *u = tracer->number[0];
-    uint32_t *group = tracer->order;
 #pragma GCC ivdep
     for (size_t j = 0; j < count; j++) {
         uint32_t g = first;
@@ -38,11 +32,12 @@ static void choose_groups(struct rnd_tracer *tracer, uint32_t count, uint32_t nu
             from = beyond ? begin[k] : from;
             by = beyond ? stretch[k] : by;
         }
-        group[j] = g;
+        out_group[j] = g;
         u[j] = rnd_smaller((u[j] - from) * by, 0x1.fffffep-1f);
     }
     for (uint32_t j = 0; j < count; j++) {
-        const uint32_t g = group[j];
+        const uint32_t g = out_group[j];
+        out_rank[j] = number[g];
         tracer->list[g][number[g]++] = j;
     }
 }
@@ -67,14 +62,14 @@ static void draw_entries(struct rnd_tracer *tracer, const struct rnd_alias *alia
     }
 }
 
-static void choose_env(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count)
+static void choose_env(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count, uint32_t first)
 {
     const struct rnd_lights *lights = &tracer->scene->lights;
     const struct rnd_env *env = lights->env;
     const struct rnd_paths *paths = &tracer->paths[1];
-    struct rnd_light_choices *to = &tracer->lights;
+    struct rnd_light_choices *to = &tracer->chosen;
     float(*u)[RND_WAVE] = tracer->number;
-    uint32_t *texel = tracer->order;
+    uint32_t *texel = tracer->order, *near = tracer->corner[2]; /* drawn, and its neighbour to look at */
     draw_entries(tracer, &env->alias, list, count, env->texel, sizeof *env->texel, texel);
     const float choose = lights->choose[RND_LIGHT_ENV];
     const uint32_t which = 128 + (uint32_t)tracer->depth;
@@ -84,89 +79,144 @@ static void choose_env(struct rnd_tracer *tracer, const uint32_t *list, uint32_t
         float s, t, a, b;
         const struct rnd_v3 direction = rnd_env_direction(env, texel[k], u[2][j], u[3][j], &s, &t);
         rnd_dither(paths->seed[j], paths->index[j], which, &a, &b);
-        const float *radiance = env->texel[rnd_env_texel(env, s, t, a, b)];
+        near[k] = rnd_env_texel(env, s, t, a, b);
         const float level = sqrtf(direction.x * direction.x + direction.z * direction.z);
-        rnd_put(&to->direction, j, direction);
-        rnd_put(&to->radiance, j, rnd_v3(radiance[0], radiance[1], radiance[2]));
-        to->pdf[j] = choose * env->texel[texel[k]][3] / rnd_larger(level, 1e-6f);
-        to->distance[j] = INFINITY;
-        to->delta[j] = 0;
+        rnd_put(&to->direction, first + k, direction);
+        to->pdf[first + k] = choose / rnd_larger(level, 1e-6f);
+        to->distance[first + k] = INFINITY;
+        to->delta[first + k] = 0;
+    }
+    for (uint32_t k = 0; k < count; k++) {
+        const float *radiance = env->texel[near[k]];
+        rnd_put(&to->radiance, first + k, rnd_v3(radiance[0], radiance[1], radiance[2]));
+        to->pdf[first + k] *= env->texel[texel[k]][3];
     }
 }
 
-static void choose_sun(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count)
+static void choose_sun(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count, uint32_t first)
 {
     const struct rnd_lights *lights = &tracer->scene->lights;
     const struct rnd_sun *sun = lights->sun;
-    struct rnd_light_choices *to = &tracer->lights;
+    struct rnd_light_choices *to = &tracer->chosen;
     const uint32_t delta = !(sun->cos_radius < 1.0f);
     const float pdf = lights->choose[RND_LIGHT_SUN] * (delta ? 1.0f : rnd_sun_pdf(sun));
     const struct rnd_v3_frame frame = rnd_v3_frame(sun->direction);
-    for (uint32_t k = 0; k < count; k++) {
-        const uint32_t j = list[k];
-        rnd_put(&to->direction, j, rnd_sun_draw(sun, &frame, tracer->number[2][j], tracer->number[3][j]));
-        rnd_put(&to->radiance, j, sun->radiance);
-        to->pdf[j] = pdf;
-        to->distance[j] = INFINITY;
-        to->delta[j] = delta;
-    }
-}
-
-static void choose_area(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count)
-{
-    const struct rnd_lights *lights = &tracer->scene->lights;
-    struct rnd_light_choices *to = &tracer->lights;
-    uint32_t *entry = tracer->order;
-    draw_entries(tracer, &lights->area_alias, list, count, lights->area, sizeof *lights->area, entry);
-    float *at_s = tracer->look_x, *at_t = tracer->look_y; /* not in use now */
+    const struct rnd_sun own = *sun; /* known not to change in the loop */
 #pragma GCC ivdep
     for (size_t k = 0; k < count; k++) {
         const uint32_t j = list[k];
-        const struct rnd_area *area = &lights->area[entry[k]];
-        struct rnd_v3 direction;
-        to->pdf[j] = rnd_area_draw(lights, area, rnd_get(&tracer->paths[1].origin, j), tracer->number[2][j],
-                                   tracer->number[3][j], &direction, &to->distance[j], &at_s[k], &at_t[k]);
-        to->delta[j] = 0;
-        rnd_put(&to->direction, j, direction);
-        rnd_put(&to->radiance, j, area->emission);
-    }
-    for (uint32_t k = 0; lights->area_textured && k < count; k++) {
-        const uint32_t j = list[k];
-        const struct rnd_area *area = &lights->area[entry[k]];
-        if ((area->flags & RND_AREA_TEXTURED) && to->pdf[j] > 0.0f)
-            rnd_put(&to->radiance, j, rnd_area_emission(tracer->scene, area, at_s[k], at_t[k]));
+        rnd_put(&to->direction, first + k,
+                rnd_sun_draw(&own, &frame, tracer->number[2][j], tracer->number[3][j]));
+        rnd_put(&to->radiance, first + k, own.radiance);
+        to->pdf[first + k] = pdf;
+        to->distance[first + k] = INFINITY;
+        to->delta[first + k] = delta;
     }
 }
 
-static void choose_punctual(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count)
+static void choose_area(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count, uint32_t first)
 {
-    struct rnd_light_choices *to = &tracer->lights;
+    const struct rnd_lights *lights = &tracer->scene->lights;
+    struct rnd_light_choices *to = &tracer->chosen;
+    struct rnd_areas *areas = &tracer->areas;
+    uint32_t *entry = tracer->order;
+    draw_entries(tracer, &lights->area_alias, list, count, lights->area, sizeof *lights->area, entry);
+    for (uint32_t k = 0; k < count; k++) {
+        const struct rnd_area *area = &lights->area[entry[k]];
+        rnd_put(&areas->corner, k, area->corner);
+        rnd_put(&areas->e1, k, area->e1);
+        rnd_put(&areas->e2, k, area->e2);
+        rnd_put(&to->radiance, first + k, area->emission);
+        areas->probability[k] = area->probability;
+        areas->flags[k] = area->flags;
+    }
+    const float choose = lights->choose[RND_LIGHT_AREA];
+#pragma GCC ivdep
+    for (size_t k = 0; k < count; k++) {
+        const uint32_t j = list[k];
+        const struct rnd_area area = {.corner = rnd_get(&areas->corner, k),
+                                      .e1 = rnd_get(&areas->e1, k),
+                                      .e2 = rnd_get(&areas->e2, k),
+                                      .probability = areas->probability[k],
+                                      .flags = areas->flags[k]};
+        struct rnd_v3 direction;
+        float distance, s, t;
+        to->pdf[first + k] =
+            rnd_area_draw(choose, &area, rnd_get(&tracer->paths[1].origin, j), tracer->number[2][j],
+                          tracer->number[3][j], &direction, &distance, &s, &t);
+        to->distance[first + k] = distance;
+        to->delta[first + k] = 0;
+        rnd_put(&to->direction, first + k, direction);
+        areas->s[k] = s;
+        areas->t[k] = t;
+    }
+    for (uint32_t k = 0; lights->area_textured && k < count; k++) {
+        const struct rnd_area *area = &lights->area[entry[k]];
+        if ((area->flags & RND_AREA_TEXTURED) && to->pdf[first + k] > 0.0f)
+            rnd_put(&to->radiance, first + k,
+                    rnd_area_emission(tracer->scene, area, areas->s[k], areas->t[k]));
+    }
+}
+
+static void choose_punctual(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count, uint32_t first)
+{
+    struct rnd_light_choices *to = &tracer->chosen;
     float(*u)[RND_WAVE] = tracer->number;
     for (uint32_t k = 0; k < count; k++) {
         const uint32_t j = list[k];
         const float number[4] = {u[0][j], u[1][j], u[2][j], u[3][j]};
         struct rnd_light_sample light;
-        to->pdf[j] = 0.0f;
+        to->pdf[first + k] = 0.0f;
         if (!rnd_light_draw(tracer->scene, RND_LIGHT_PUNCTUAL, rnd_get(&tracer->paths[1].origin, j), number,
                             &light))
             continue;
-        rnd_put(&to->direction, j, light.direction);
-        rnd_put(&to->radiance, j, light.radiance);
-        to->pdf[j] = light.pdf;
-        to->distance[j] = light.distance;
-        to->delta[j] = light.delta;
+        rnd_put(&to->direction, first + k, light.direction);
+        rnd_put(&to->radiance, first + k, light.radiance);
+        to->pdf[first + k] = light.pdf;
+        to->distance[first + k] = light.distance;
+        to->delta[first + k] = light.delta;
+    }
+}
+
+/* From the order of the lists to that of the points. */
+static void arrange(struct rnd_tracer *tracer, uint32_t count, const uint32_t begin[RND_LIGHT_GROUPS],
+                    const uint32_t *restrict group, const uint32_t *restrict rank)
+{
+    const struct rnd_light_choices *from = &tracer->chosen;
+    struct rnd_light_choices *to = &tracer->lights;
+#pragma GCC ivdep
+    for (size_t j = 0; j < count; j++) {
+        const uint32_t i = begin[group[j]] + rank[j];
+        to->direction.x[j] = from->direction.x[i];
+        to->direction.y[j] = from->direction.y[i];
+        to->direction.z[j] = from->direction.z[i];
+        to->radiance.x[j] = from->radiance.x[i];
+        to->radiance.y[j] = from->radiance.y[i];
+        to->radiance.z[j] = from->radiance.z[i];
+        to->distance[j] = from->distance[i];
+        to->pdf[j] = from->pdf[i];
+        to->delta[j] = from->delta[i];
     }
 }
 
 void ISA(rnd_choose_lights)(struct rnd_tracer *tracer, uint32_t count)
 {
-    uint32_t number[RND_LIGHT_GROUPS];
+    static void (*const choose[RND_LIGHT_GROUPS])(struct rnd_tracer *, const uint32_t *, uint32_t,
+                                                  uint32_t) = {
+        [RND_LIGHT_AREA] = choose_area,
+        [RND_LIGHT_ENV] = choose_env,
+        [RND_LIGHT_SUN] = choose_sun,
+        [RND_LIGHT_PUNCTUAL] = choose_punctual,
+    };
+    uint32_t number[RND_LIGHT_GROUPS], begin[RND_LIGHT_GROUPS], *group = tracer->corner[0],
+                                                                *rank = tracer->corner[1];
     rnd_draw_numbers(tracer, RND_DIM_LIGHT, 0, count, tracer->number[0], tracer->number[1]);
     rnd_draw_numbers(tracer, RND_DIM_LIGHT_PLACE, 0, count, tracer->number[2], tracer->number[3]);
-    choose_groups(tracer, count, number);
-    if (number[RND_LIGHT_AREA]) choose_area(tracer, tracer->list[RND_LIGHT_AREA], number[RND_LIGHT_AREA]);
-    if (number[RND_LIGHT_ENV]) choose_env(tracer, tracer->list[RND_LIGHT_ENV], number[RND_LIGHT_ENV]);
-    if (number[RND_LIGHT_SUN]) choose_sun(tracer, tracer->list[RND_LIGHT_SUN], number[RND_LIGHT_SUN]);
-    if (number[RND_LIGHT_PUNCTUAL])
-        choose_punctual(tracer, tracer->list[RND_LIGHT_PUNCTUAL], number[RND_LIGHT_PUNCTUAL]);
+    choose_groups(tracer, count, number, group, rank);
+    for (uint32_t g = 0, sum = 0; g < RND_LIGHT_GROUPS; g++) {
+        begin[g] = sum;
+        if (number[g] > 0) choose[g](tracer, tracer->list[g], number[g], sum);
+        sum += number[g];
+    }
+    arrange(tracer, count, begin, group, rank);
 }

@@ -133,9 +133,8 @@ static void draw(struct rnd_render *render, const struct rnd_aim *aim, uint32_t 
                 const uint32_t h = rnd_hash2(seed, cell * CELL + within);
                 to[2 * within] = corner[0] + quarter * ((float)(int32_t)(within % 4) +
                                                         (float)(int32_t)(h & 0xffffu) * 0x1p-16f);
-                to[2 * within + 1] =
-                    corner[1] +
-                    quarter * ((float)(int32_t)(within / 4) + (float)(int32_t)(h >> 16) * 0x1p-16f);
+                to[2 * within + 1] = corner[1] + quarter * ((float)(int32_t)(within / 4) +
+                                                            (float)(int32_t)(h >> 16) * 0x1p-16f);
             }
         }
         const uint32_t i = c * CELL, n = paths - i < cells * CELL ? paths - i : cells * CELL;

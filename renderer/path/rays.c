@@ -64,8 +64,7 @@ void rnd_occlude(struct rnd_tracer *tracer)
     struct RTCIntersectContext context;
     if (s->count == 0) return;
     tracer->rays += s->count;
-    const struct RTCRayNp stream =
-        stream_of(&tracer->ray_rest, &s->origin, &s->direction, s->distance);
+    const struct RTCRayNp stream = stream_of(&tracer->ray_rest, &s->origin, &s->direction, s->distance);
     rtcInitIntersectContext(&context);
     if (tracer->tape) rnd_tape_occlude(tracer->tape, context.flags, &stream, s->count);
     rtcOccludedNp(tracer->scene->tree, &context, &stream, s->count);

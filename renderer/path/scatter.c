@@ -129,6 +129,7 @@ static void cast_shadows(struct rnd_tracer *tracer, uint32_t count)
     const struct rnd_surfaces *s = &tracer->surfaces;
     const struct rnd_light_choices *lights = &tracer->lights;
     struct rnd_shadows *to = &tracer->shadows;
+    const float limit = rnd_firefly_limit(tracer);
     uint32_t *order = tracer->order, n = 0;
     for (uint32_t j = 0; j < count; j++) {
         order[n] = j;
@@ -153,7 +154,7 @@ static void cast_shadows(struct rnd_tracer *tracer, uint32_t count)
         rnd_put(&to->direction, i, rnd_v3_scale(towards, 1.0f / length));
         to->distance[i] = (ends ? length : far) * (1.0f - 1e-4f);
         to->id[i] = paths->id[j];
-        rnd_put(&to->radiance, i, rnd_clamp_firefly(tracer, rnd_get(&tracer->scatters.brought, j)));
+        rnd_put(&to->radiance, i, rnd_clamp_firefly(rnd_get(&tracer->scatters.brought, j), limit));
     }
 }
 
@@ -162,13 +163,12 @@ static void weigh(struct rnd_tracer *tracer, uint32_t count)
 {
     struct rnd_paths *paths = &tracer->paths[1];
     struct rnd_scatters *to = &tracer->scatters;
-    const int sure = tracer->depth < SURE_BOUNCES;
+    const float least = tracer->depth < SURE_BOUNCES ? 1.0f : 0.0f; /* all numbers are below 1 */
 #pragma GCC ivdep
     for (size_t j = 0; j < count; j++) {
         const struct rnd_v3 t = rnd_v3_mul(rnd_get(&paths->throughput, j), rnd_get(&to->weight, j));
-        const float largest = rnd_v3_max(t), go_on = sure ? 1.0f : rnd_smaller(sqrtf(largest), 0.95f);
-        const float number = sure ? 0.0f : tracer->number[3][j];
-        const int on = (to->pdf[j] >= 0.0f) & (number < go_on) & (largest > 0.0f);
+        const float largest = rnd_v3_max(t), go_on = rnd_larger(rnd_smaller(sqrtf(largest), 0.95f), least);
+        const int on = (to->pdf[j] >= 0.0f) & (tracer->number[3][j] < go_on) & (largest > 0.0f);
         rnd_put(&paths->throughput, j, rnd_v3_scale(t, 1.0f / rnd_larger(go_on, 1e-37f)));
         to->pdf[j] = on ? to->pdf[j] : -1.0f;
     }

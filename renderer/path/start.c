@@ -14,8 +14,9 @@ void ISA(rnd_start)(struct rnd_tracer *tracer, const float eye[3], uint32_t coun
         /* one sequence for each half of the pixel's paths */
         const uint32_t own = rnd_hash2(seed, 2 * (y * width + x) + (number & 1)), index = number >> 1;
         const struct rnd_two two = rnd_two(own, RND_DIMENSION_PIXEL, index);
-        rnd_put(&paths->direction, i,
-                rnd_v3_from_uv(((float)(int32_t)x + two.u) * pixel, ((float)(int32_t)y + two.v) * 2.0f * pixel));
+        rnd_put(
+            &paths->direction, i,
+            rnd_v3_from_uv(((float)(int32_t)x + two.u) * pixel, ((float)(int32_t)y + two.v) * 2.0f * pixel));
         paths->seed[i] = own;
         paths->index[i] = index;
     }

@@ -10,7 +10,7 @@
 
 static void add(struct rnd_tracer *tracer, uint32_t id, struct rnd_v3 brought)
 {
-    const struct rnd_v3 radiance = rnd_clamp_firefly(tracer, brought);
+    const struct rnd_v3 radiance = rnd_clamp_firefly(brought, rnd_firefly_limit(tracer));
     tracer->io->radiance[0][id] += radiance.x;
     tracer->io->radiance[1][id] += radiance.y;
     tracer->io->radiance[2][id] += radiance.z;
@@ -247,8 +247,8 @@ static void ask(struct rnd_tracer *tracer, uint32_t looks)
     for (uint32_t k = 0; k < looks; k++) {
         const struct rnd_texture *texture = look[k].texture;
         const int l = (int)rnd_smaller(level[k], (float)(texture->levels - 1));
-        const size_t texel = rnd_texture_pick(texture, look[k].map->wrap, tracer->look_x[k],
-                                              tracer->look_y[k], l, r[k], t[k]);
+        const size_t texel =
+            rnd_texture_pick(texture, look[k].map->wrap, tracer->look_x[k], tracer->look_y[k], l, r[k], t[k]);
         look[k].texel = texel;
         __builtin_prefetch(texture->bytes ? (const void *)(texture->bytes + 4 * texel)
                                           : (const void *)(texture->floats + 4 * texel));
@@ -447,8 +447,8 @@ void ISA(rnd_emission)(struct rnd_tracer *tracer, uint32_t count)
         const struct rnd_v3 direction = rnd_get(&paths->direction, j);
         float weight = 1.0f;
         if (paths->pdf[j] > 0.0f)
-            weight =
-                rnd_power_heuristic(paths->pdf[j], rnd_area_pdf(lights, area, direction, s->distance[j]));
+            weight = rnd_power_heuristic(
+                paths->pdf[j], rnd_area_pdf(lights->choose[RND_LIGHT_AREA], area, direction, s->distance[j]));
         const struct rnd_v3 radiance = rnd_v3_scale(rnd_area_emission(scene, area, s->u[j], s->v[j]), weight);
         add(tracer, paths->id[j], rnd_v3_mul(radiance, rnd_get(&paths->throughput, j)));
     }

@@ -54,8 +54,7 @@ static uint32_t stride(uint32_t count)
     return (count + 15u) & ~15u;
 }
 
-static void record(struct rnd_tape *tape, bool shadows, int flags, const struct RTCRayNp *ray,
-                   uint32_t count)
+static void record(struct rnd_tape *tape, bool shadows, int flags, const struct RTCRayNp *ray, uint32_t count)
 {
     const void *from[RAY_ARRAYS] = {ray->org_x, ray->org_y, ray->org_z, ray->tnear, ray->dir_x, ray->dir_y,
                                     ray->dir_z, ray->time,  ray->tfar,  ray->mask,  ray->id,    ray->flags};
@@ -66,7 +65,8 @@ static void record(struct rnd_tape *tape, bool shadows, int flags, const struct 
     call->flags = flags;
     call->shadows = shadows;
     for (int i = 0; i < RAY_ARRAYS; i++) memcpy(call->data + (size_t)i * n, from[i], count * sizeof(float));
-    memset(call->data + (size_t)RAY_ARRAYS * n, 0xff, hits * n * sizeof(float)); /* no geometry, no instance */
+    memset(call->data + (size_t)RAY_ARRAYS * n, 0xff,
+           hits * n * sizeof(float)); /* no geometry, no instance */
 }
 
 void rnd_tape_intersect(struct rnd_tape *tape, int flags, const struct RTCRayHitNp *stream, uint32_t count)

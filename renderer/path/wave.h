@@ -1,7 +1,7 @@
 /* A wave of paths in structures of arrays: what the stages of the integrator hand to each other.
  *
- * The stages (start, rays, surface, lights, scatter) are compiled once for every instruction set that is worth it;
- * ISA() tells their names apart, and rnd_tracer_create() takes the best that the processor has.
+ * The stages (start, rays, surface, lights, scatter) are compiled once for every instruction set that is
+ * worth it; ISA() tells their names apart, and rnd_tracer_create() takes the best that the processor has.
  */
 #ifndef FOVEAD_RENDERER_WAVE_H
 #define FOVEAD_RENDERER_WAVE_H
@@ -72,6 +72,13 @@ struct rnd_light_choices {
     rnd_words delta;
 };
 
+/* Emissive triangles that were chosen, and where on them. */
+struct rnd_areas {
+    struct rnd_vectors corner, e1, e2;
+    rnd_floats probability, s, t;
+    rnd_words flags;
+};
+
 /* What surfaces do: with the chosen light, and where the paths go on. */
 struct rnd_scatters {
     struct rnd_vectors brought; /* radiance that the path brings if the light is not hidden */
@@ -123,14 +130,15 @@ struct rnd_tracer {
     struct rnd_hits hits;
     struct rnd_ray_rest ray_rest;
     struct rnd_surfaces surfaces;
-    struct rnd_light_choices lights;
+    struct rnd_areas areas;
+    struct rnd_light_choices chosen, lights; /* in the order of the groups' lists, and of the points */
     struct rnd_scatters scatters;
     rnd_floats number[4];              /* random ones of the stage under way */
     struct rnd_surface rich[RND_WAVE]; /* of the points whose material is rich, in their order */
     struct rnd_shadows shadows;
     rnd_words order;
     rnd_words list[RND_LISTS]; /* of misses, kinds of material, groups of lights */
-    rnd_words corner[3];       /* normals of hit triangles */
+    rnd_words corner[3];       /* normals of hit triangles; the stage of lights has it for its own */
     struct rnd_look look[RND_WAVE];
     rnd_floats look_x, look_y; /* texture coordinates */
     rnd_floats look_level;     /* of mipmaps */
@@ -184,12 +192,16 @@ RND_INLINE void rnd_dither(uint32_t seed, uint32_t index, uint32_t which, float 
     *out_s = (float)(int32_t)(h >> 16) * 0x1p-16f;
 }
 
-/* Radiance that a path brings, clamped if it came by way of a second surface and is to be. */
-RND_INLINE struct rnd_v3 rnd_clamp_firefly(const struct rnd_tracer *tracer, struct rnd_v3 radiance)
+/* What luminance of this step's light is clamped to: it is, if it came by way of a second surface. */
+RND_INLINE float rnd_firefly_limit(const struct rnd_tracer *tracer)
+{
+    return tracer->depth > 0 ? tracer->firefly : INFINITY;
+}
+
+RND_INLINE struct rnd_v3 rnd_clamp_firefly(struct rnd_v3 radiance, float limit)
 {
     const float bright = rnd_v3_luminance(radiance);
-    return tracer->depth > 0 && bright > tracer->firefly ? rnd_v3_scale(radiance, tracer->firefly / bright)
-                                                         : radiance;
+    return rnd_v3_scale(radiance, bright > limit ? limit / bright : 1.0f);
 }
 
 /* start.c: paths through the wave's pixels, from the eye. */

@@ -188,7 +188,8 @@ static bool draw_area(const struct rnd_scene *scene, struct rnd_v3 point, const 
     const struct rnd_lights *lights = &scene->lights;
     const struct rnd_area *area = &lights->area[rnd_alias_draw(&lights->area_alias, u[1], u[0])];
     float s, t;
-    out->pdf = rnd_area_draw(lights, area, point, u[2], u[3], &out->direction, &out->distance, &s, &t);
+    out->pdf = rnd_area_draw(lights->choose[RND_LIGHT_AREA], area, point, u[2], u[3], &out->direction,
+                             &out->distance, &s, &t);
     out->delta = false;
     if (!(out->pdf > 0.0f)) return false;
     out->radiance = rnd_area_emission(scene, area, s, t);

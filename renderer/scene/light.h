@@ -76,10 +76,11 @@ RND_INLINE void rnd_env_to_uv(const struct rnd_env *env, struct rnd_v3 direction
 RND_INLINE struct rnd_v3 rnd_env_direction(const struct rnd_env *env, uint32_t texel, float r, float s,
                                            float *out_u, float *out_v)
 {
-    const uint32_t w = (uint32_t)env->width, row = texel / w;
-    const float u = ((float)(int32_t)(texel - row * w) + r) / (float)env->width;
+    /* vectors have no division of integers; this one is exact below 2^31 */
+    const int32_t i = (int32_t)texel, row = (int32_t)(((double)i + 0.5) / env->width);
+    const float u = ((float)(i - row * env->width) + r) / (float)env->width;
     *out_u = u;
-    *out_v = ((float)(int32_t)row + s) / (float)env->height;
+    *out_v = ((float)row + s) / (float)env->height;
     const float turned = u - env->turn;
     return rnd_v3_from_uv(turned - floorf(turned), *out_v);
 }
@@ -182,24 +183,24 @@ struct rnd_v3 rnd_area_emission(const struct rnd_scene *scene, const struct rnd_
 #define RND_LEAST_COSINE 1e-6f
 
 /* Density per steradian with which rnd_light_draw() draws the point of a triangle that is seen at a distance
- * along a direction, choice of group included. */
-RND_INLINE float rnd_area_pdf(const struct rnd_lights *lights, const struct rnd_area *area,
-                              struct rnd_v3 direction, float distance)
+ * along a direction, choice of group included, whose probability is choose. */
+RND_INLINE float rnd_area_pdf(float choose, const struct rnd_area *area, struct rnd_v3 direction,
+                              float distance)
 {
     const struct rnd_v3 twice = rnd_v3_cross(area->e1, area->e2);
     const float projected = fabsf(rnd_v3_dot(twice, direction)); /* twice the area, times the cosine */
     const float least = RND_LEAST_COSINE * RND_LEAST_COSINE * rnd_v3_dot(twice, twice);
-    const float pdf = lights->choose[RND_LIGHT_AREA] * area->probability * distance * distance /
-                      (0.5f * rnd_larger(projected, 1e-37f));
-    return projected * projected > least && pdf < INFINITY ? pdf : 0.0f;
+    const float pdf =
+        choose * area->probability * distance * distance / (0.5f * rnd_larger(projected, 1e-37f));
+    return (projected * projected > least) & (pdf < INFINITY) ? pdf : 0.0f;
 }
 
 /* Draw a point of a triangle as seen from a point, by two numbers in [0,1): its direction, distance and
  * barycentric coordinates. Returns the density as rnd_area_pdf() does, 0 if the triangle does not shine
  * there. */
-RND_INLINE float rnd_area_draw(const struct rnd_lights *lights, const struct rnd_area *area,
-                               struct rnd_v3 point, float u, float v, struct rnd_v3 *out_direction,
-                               float *out_distance, float *out_s, float *out_t)
+RND_INLINE float rnd_area_draw(float choose, const struct rnd_area *area, struct rnd_v3 point, float u,
+                               float v, struct rnd_v3 *out_direction, float *out_distance, float *out_s,
+                               float *out_t)
 {
     const float root = sqrtf(u), s = v * root, t = root - s; /* uniform over the triangle */
     const struct rnd_v3 p = rnd_v3_muladd(area->e2, t, rnd_v3_muladd(area->e1, s, area->corner)),
@@ -211,7 +212,8 @@ RND_INLINE float rnd_area_draw(const struct rnd_lights *lights, const struct rnd
     *out_t = t;
     const float facing = rnd_v3_dot(rnd_v3_cross(area->e1, area->e2), *out_direction);
     const int shines = (facing < 0.0f) | ((area->flags & RND_AREA_DOUBLE) != 0);
-    return shines && distance > 0.0f ? rnd_area_pdf(lights, area, *out_direction, distance) : 0.0f;
+    const float pdf = rnd_area_pdf(choose, area, *out_direction, distance);
+    return shines & (distance > 0.0f) ? pdf : 0.0f;
 }
 
 /* Weight of a direction drawn with density pdf that another way would draw with density other (Veach 1997,

@@ -99,7 +99,7 @@ static void triangle(void **state)
         struct rnd_light_sample light;
         assert_true(rnd_light_draw(scene, RND_LIGHT_AREA, rnd_v3(0, 0, 0), u, &light));
         assert_float_equal(
-            rnd_area_pdf(&scene->lights, &scene->lights.area[0], light.direction, light.distance) / light.pdf,
+            rnd_area_pdf(scene->lights.choose[RND_LIGHT_AREA], &scene->lights.area[0], light.direction, light.distance) / light.pdf,
             1, 1e-5);
         angle += 1.0 / light.pdf / DRAWS;
     }
