@@ -181,9 +181,34 @@ static bool reserve(struct rnd_render *render, uint32_t paths)
     return ok;
 }
 
+static void choose(struct rnd_render *render, const float probability[RND_LIGHT_GROUPS])
+{
+    for (int i = 0; i < render->workers; i++) rnd_tracer_choose(render->worker[i].tracer, probability);
+}
+
+/* Until the lights have been surveyed, which the first picture does not wait for: every group as often. */
+static void choose_evenly(struct rnd_render *render)
+{
+    const bool *has = render->scene->lights.has;
+    float even[RND_LIGHT_GROUPS], groups = 0.0f;
+    for (int g = 0; g < RND_LIGHT_GROUPS; g++) groups += has[g];
+    for (int g = 0; g < RND_LIGHT_GROUPS; g++) even[g] = has[g] ? 1.0f / groups : 0.0f;
+    choose(render, even);
+    render->surveyed = groups < 2.0f;
+}
+
+static void survey(struct rnd_render *render)
+{
+    float found[RND_LIGHT_GROUPS];
+    rnd_survey_lights(render->scene, render->eye, render->pool, render->workers, found);
+    choose(render, found);
+    render->surveyed = true;
+}
+
 static void run(struct work *work, bool drawn, struct rnd_batch *out_batch)
 {
     struct rnd_render *render = work->render;
+    if (drawn && !render->surveyed) survey(render);
     const uint64_t start = now_ns();
     *out_batch = (struct rnd_batch){0};
     if (work->paths == 0 || !reserve(render, work->paths)) return; /* no memory: a batch without a path */
@@ -291,8 +316,10 @@ struct rnd_render *rnd_render_create(const struct rnd_scene *scene, const struct
         ok = (render->worker[i].tracer = rnd_tracer_create(scene, options->max_bounces, options->firefly,
                                                            width, render->seed)) != NULL;
     if (ok &&
-        rnd_film_init(&render->film, width, height, options->error_bar > 0.0f ? options->error_bar : 0.05f))
+        rnd_film_init(&render->film, width, height, options->error_bar > 0.0f ? options->error_bar : 0.05f)) {
+        choose_evenly(render);
         return render;
+    }
 no_memory:
     snprintf(out_error, RND_ERROR_SIZE, "film of %d x %d: not enough memory or threads", width, height);
     rnd_render_destroy(render);
@@ -336,6 +363,7 @@ void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene
     render->scene = scene;
     memcpy(render->eye, eye, sizeof render->eye);
     for (int i = 0; i < render->workers; i++) rnd_tracer_scene(render->worker[i].tracer, scene);
+    choose_evenly(render);
     render->next_cell = 0;
     render->generation++;
     pthread_mutex_lock(&render->whole);

@@ -7,7 +7,7 @@
 static void choose_groups(struct rnd_tracer *tracer, uint32_t count, uint32_t number[RND_LIGHT_GROUPS],
                           uint32_t *restrict out_group, uint32_t *restrict out_rank)
 {
-    const float *choose = tracer->scene->lights.choose;
+    const float *choose = tracer->choose;
     /* Where each group begins in [0, 1), and one over its length. What has no length begins where no number
      * is. */
     float begin[RND_LIGHT_GROUPS], stretch[RND_LIGHT_GROUPS], sum = 0.0f;
@@ -71,7 +71,7 @@ static void choose_env(struct rnd_tracer *tracer, const uint32_t *list, uint32_t
     float(*u)[RND_WAVE] = tracer->number;
     uint32_t *texel = tracer->order, *near = tracer->corner[2]; /* drawn, and its neighbour to look at */
     draw_entries(tracer, &env->alias, list, count, env->texel, sizeof *env->texel, texel);
-    const float choose = lights->choose[RND_LIGHT_ENV];
+    const float choose = tracer->choose[RND_LIGHT_ENV];
     const uint32_t which = 128 + (uint32_t)tracer->depth;
 #pragma GCC ivdep
     for (size_t k = 0; k < count; k++) {
@@ -99,7 +99,7 @@ static void choose_sun(struct rnd_tracer *tracer, const uint32_t *list, uint32_t
     const struct rnd_sun *sun = lights->sun;
     struct rnd_light_choices *to = &tracer->chosen;
     const uint32_t delta = !(sun->cos_radius < 1.0f);
-    const float pdf = lights->choose[RND_LIGHT_SUN] * (delta ? 1.0f : rnd_sun_pdf(sun));
+    const float pdf = tracer->choose[RND_LIGHT_SUN] * (delta ? 1.0f : rnd_sun_pdf(sun));
     const struct rnd_v3_frame frame = rnd_v3_frame(sun->direction);
     const struct rnd_sun own = *sun; /* known not to change in the loop */
 #pragma GCC ivdep
@@ -130,7 +130,7 @@ static void choose_area(struct rnd_tracer *tracer, const uint32_t *list, uint32_
         areas->probability[k] = area->probability;
         areas->flags[k] = area->flags;
     }
-    const float choose = lights->choose[RND_LIGHT_AREA];
+    const float choose = tracer->choose[RND_LIGHT_AREA];
 #pragma GCC ivdep
     for (size_t k = 0; k < count; k++) {
         const uint32_t j = list[k];
@@ -142,8 +142,8 @@ static void choose_area(struct rnd_tracer *tracer, const uint32_t *list, uint32_
         struct rnd_v3 direction;
         float distance, s, t;
         to->pdf[first + k] =
-            rnd_area_draw(choose, &area, rnd_get(&tracer->paths[1].origin, j), tracer->number[2][j],
-                          tracer->number[3][j], &direction, &distance, &s, &t);
+            choose * rnd_area_draw(&area, rnd_get(&tracer->paths[1].origin, j), tracer->number[2][j],
+                                   tracer->number[3][j], &direction, &distance, &s, &t);
         to->distance[first + k] = distance;
         to->delta[first + k] = 0;
         rnd_put(&to->direction, first + k, direction);
@@ -172,7 +172,7 @@ static void choose_punctual(struct rnd_tracer *tracer, const uint32_t *list, uin
             continue;
         rnd_put(&to->direction, first + k, light.direction);
         rnd_put(&to->radiance, first + k, light.radiance);
-        to->pdf[first + k] = light.pdf;
+        to->pdf[first + k] = tracer->choose[RND_LIGHT_PUNCTUAL] * light.pdf;
         to->distance[first + k] = light.distance;
         to->delta[first + k] = light.delta;
     }

@@ -54,12 +54,12 @@ static void sky(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count)
         if (env) {
             const float *t = env->texel[near[k]], density = env->texel[in[k]][3];
             const float level = sqrtf(direction.x * direction.x + direction.z * direction.z);
-            const float other = lights->choose[RND_LIGHT_ENV] * density / rnd_larger(level, 1e-6f);
+            const float other = tracer->choose[RND_LIGHT_ENV] * density / rnd_larger(level, 1e-6f);
             const float weight = paths->pdf[i] > 0.0f ? rnd_power_heuristic(paths->pdf[i], other) : 1.0f;
             radiance = rnd_v3_scale(rnd_v3(t[0], t[1], t[2]), weight);
         }
         if (sun && rnd_v3_dot(direction, sun->direction) >= sun->cos_radius) {
-            const float other = lights->choose[RND_LIGHT_SUN] * rnd_sun_pdf(sun);
+            const float other = tracer->choose[RND_LIGHT_SUN] * rnd_sun_pdf(sun);
             const float weight = paths->pdf[i] > 0.0f ? rnd_power_heuristic(paths->pdf[i], other) : 1.0f;
             radiance = rnd_v3_muladd(sun->radiance, weight, radiance);
         }
@@ -447,8 +447,8 @@ void ISA(rnd_emission)(struct rnd_tracer *tracer, uint32_t count)
         const struct rnd_v3 direction = rnd_get(&paths->direction, j);
         float weight = 1.0f;
         if (paths->pdf[j] > 0.0f)
-            weight = rnd_power_heuristic(
-                paths->pdf[j], rnd_area_pdf(lights->choose[RND_LIGHT_AREA], area, direction, s->distance[j]));
+            weight = rnd_power_heuristic(paths->pdf[j], tracer->choose[RND_LIGHT_AREA] *
+                                                            rnd_area_pdf(area, direction, s->distance[j]));
         const struct rnd_v3 radiance = rnd_v3_scale(rnd_area_emission(scene, area, s->u[j], s->v[j]), weight);
         add(tracer, paths->id[j], rnd_v3_mul(radiance, rnd_get(&paths->throughput, j)));
     }

@@ -6,7 +6,7 @@
  * changes the noise and never the mean.
  */
 #include "path/shade.h"
-#include "path/trace.h"
+#include "render.h"
 #include "sampler.h"
 
 enum { PATHS = 4096, BOUNCES = 3, SEED = 0x5eed };
@@ -52,11 +52,12 @@ static float ask(const struct rnd_scene *scene, int group, const struct rnd_surf
     return shadow.tfar < 0.0f ? 0.0f : given;
 }
 
-static void walk(const struct rnd_scene *scene, uint32_t index, double square[RND_LIGHT_GROUPS])
+static void walk(const struct rnd_scene *scene, const float eye[3], uint32_t index,
+                 float square[RND_LIGHT_GROUPS])
 {
     float u[4];
     rnd_pair(SEED, 0, index, u);
-    vec3s origin = rnd_vec(scene->info.eye), direction, throughput = glms_vec3_one();
+    vec3s origin = rnd_vec(eye), direction, throughput = glms_vec3_one();
     rnd_direction(2.0f * (float)M_PI * u[0], asinf(2.0f * u[1] - 1.0f), direction.raw);
     for (uint32_t depth = 0; depth < BOUNCES; depth++) {
         struct RTCIntersectContext context;
@@ -82,10 +83,10 @@ static void walk(const struct rnd_scene *scene, uint32_t index, double square[RN
                        direction, &surface);
         const vec3s wo = glms_vec3_negate(direction);
         for (int g = 0; g < RND_LIGHT_GROUPS; g++) {
-            if (!(scene->lights.choose[g] > 0.0f)) continue;
+            if (!scene->lights.has[g]) continue;
             rnd_pair(SEED, 1 + 8 * depth + 2 * (uint32_t)g, index, u);
             rnd_pair(SEED, 2 + 8 * depth + 2 * (uint32_t)g, index, u + 2);
-            const double given = ask(scene, g, &surface, wo, u) * rnd_luminance(throughput.raw);
+            const float given = ask(scene, g, &surface, wo, u) * rnd_luminance(throughput.raw);
             square[g] += given * given;
         }
         rnd_pair(SEED, 100 + 2 * depth, index, u);
@@ -97,17 +98,37 @@ static void walk(const struct rnd_scene *scene, uint32_t index, double square[RN
     }
 }
 
-void rnd_survey_lights(struct rnd_scene *scene)
+struct survey {
+    const struct rnd_scene *scene;
+    const float *eye;
+    int workers;
+    float square[PATHS][RND_LIGHT_GROUPS]; /* of what each path was given; summed in their order, by one */
+};
+
+/* One thread's share of the paths. */
+static void walk_share(void *context, int worker)
 {
-    double square[RND_LIGHT_GROUPS] = {0}, sum = 0.0;
+    struct survey *survey = context;
+    const uint32_t first = (uint32_t)(PATHS * worker / survey->workers),
+                   end = (uint32_t)(PATHS * (worker + 1) / survey->workers);
+    for (uint32_t i = first; i < end; i++) walk(survey->scene, survey->eye, i, survey->square[i]);
+}
+
+void rnd_survey_lights(const struct rnd_scene *scene, const float eye[3], struct rnd_pool *pool, int workers,
+                       float out_choose[RND_LIGHT_GROUPS])
+{
+    struct survey survey = {.scene = scene, .eye = eye, .workers = workers};
+    const bool *has = scene->lights.has;
+    double root[RND_LIGHT_GROUPS] = {0}, sum = 0.0;
     int groups = 0;
-    /* Until here every group that gives light is chosen with 1: densities are those within it. */
-    for (int g = 0; g < RND_LIGHT_GROUPS; g++) groups += scene->lights.choose[g] > 0.0f;
-    for (uint32_t i = 0; groups > 1 && i < PATHS; i++) walk(scene, i, square);
-    for (int g = 0; g < RND_LIGHT_GROUPS; g++) sum += sqrt(square[g]);
+    rnd_pool_run(pool, walk_share, &survey);
     for (int g = 0; g < RND_LIGHT_GROUPS; g++) {
-        if (!(scene->lights.choose[g] > 0.0f)) continue;
-        const float even = 1.0f / (float)groups, share = sum > 0.0 ? (float)(sqrt(square[g]) / sum) : even;
-        scene->lights.choose[g] = LEAST * even + (1.0f - LEAST) * share;
+        for (uint32_t i = 0; i < PATHS; i++) root[g] += (double)survey.square[i][g];
+        sum += root[g] = sqrt(root[g]);
+        groups += has[g];
+    }
+    for (int g = 0; g < RND_LIGHT_GROUPS; g++) {
+        const float even = 1.0f / (float)groups, share = sum > 0.0 ? (float)(root[g] / sum) : even;
+        out_choose[g] = has[g] ? LEAST * even + (1.0f - LEAST) * share : 0.0f;
     }
 }

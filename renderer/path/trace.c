@@ -70,6 +70,11 @@ void rnd_tracer_scene(struct rnd_tracer *tracer, const struct rnd_scene *scene)
     tracer->scene = scene;
 }
 
+void rnd_tracer_choose(struct rnd_tracer *tracer, const float choose[RND_LIGHT_GROUPS])
+{
+    memcpy(tracer->choose, choose, sizeof tracer->choose);
+}
+
 void rnd_tracer_tape(struct rnd_tracer *tracer, struct rnd_tape *tape)
 {
     tracer->tape = tape;

@@ -34,6 +34,8 @@ struct rnd_tracer *rnd_tracer_create(const struct rnd_scene *scene, int max_boun
 void rnd_tracer_destroy(struct rnd_tracer *tracer); /* accepts NULL */
 /* Go on with another scene. */
 void rnd_tracer_scene(struct rnd_tracer *tracer, const struct rnd_scene *scene);
+/* With which probability a point asks each group of lights: one in all; never 0 for one that gives light. */
+void rnd_tracer_choose(struct rnd_tracer *tracer, const float choose[RND_LIGHT_GROUPS]);
 /* Record the calls to Embree from now on; NULL: no more. */
 struct rnd_tape;
 void rnd_tracer_tape(struct rnd_tracer *tracer, struct rnd_tape *tape);

@@ -114,11 +114,12 @@ struct rnd_tape;
 struct rnd_tracer {
     const struct rnd_scene *scene;
     int max_bounces;
-    float firefly;               /* luminance that indirect light is clamped to; INFINITY: it is not */
-    int width;                   /* of the film, pixels */
-    float spread;                /* angle between neighbouring pixels, rad */
-    uint32_t seed;               /* of the pixels' random numbers */
-    const struct stages *stages; /* for this processor */
+    float firefly;                  /* luminance that indirect light is clamped to; INFINITY: it is not */
+    int width;                      /* of the film, pixels */
+    float spread;                   /* angle between neighbouring pixels, rad */
+    uint32_t seed;                  /* of the pixels' random numbers */
+    float choose[RND_LIGHT_GROUPS]; /* with which probability a point asks each group for light */
+    const struct stages *stages;    /* for this processor */
     uint64_t rays;
     uint64_t stage_ns[RND_STAGES];
     struct rnd_tape *tape; /* NULL unless calls are recorded */

@@ -111,7 +111,7 @@ static bool build_area(struct rnd_scene *scene, double *out_power)
             sum += power[lights->area_count++];
         }
     }
-    lights->choose[RND_LIGHT_AREA] = sum > 0.0;
+    lights->has[RND_LIGHT_AREA] = sum > 0.0;
     *out_power = sum;
     if (ok && sum > 0.0 && isfinite(sum)) {
         ok = rnd_alias_init(&lights->area_alias, power, lights->area_count);
@@ -135,7 +135,7 @@ static bool build_punctual(struct rnd_scene *scene, double *out_power)
         const float reach = light->kind == RND_DIRECTIONAL ? radius * radius : 4.0f;
         sum += power[i] = rnd_v3_luminance(light->intensity) * reach * (float)M_PI;
     }
-    lights->choose[RND_LIGHT_PUNCTUAL] = sum > 0.0f;
+    lights->has[RND_LIGHT_PUNCTUAL] = sum > 0.0f;
     *out_power = sum;
     const bool ok = !(sum > 0.0f) || rnd_alias_init(&lights->punctual_alias, power, lights->punctual_count);
     free(power);
@@ -155,10 +155,10 @@ bool rnd_lights_build(struct rnd_scene *scene, const char *path, char out_error[
                  path);
         return false;
     }
-    lights->choose[RND_LIGHT_ENV] = lights->env != NULL;
-    lights->choose[RND_LIGHT_SUN] = lights->sun && rnd_v3_luminance(lights->sun->radiance) > 0.0f;
+    lights->has[RND_LIGHT_ENV] = lights->env != NULL;
+    lights->has[RND_LIGHT_SUN] = lights->sun && rnd_v3_luminance(lights->sun->radiance) > 0.0f;
     for (int i = 0; i < RND_LIGHT_GROUPS; i++)
-        if (lights->choose[i] > 0.0f) return true;
+        if (lights->has[i]) return true;
     snprintf(
         out_error, RND_ERROR_SIZE,
         "%.200s: nothing in the scene gives light: expected an emissive material, a light, --env or --sun",
@@ -188,8 +188,7 @@ static bool draw_area(const struct rnd_scene *scene, struct rnd_v3 point, const 
     const struct rnd_lights *lights = &scene->lights;
     const struct rnd_area *area = &lights->area[rnd_alias_draw(&lights->area_alias, u[1], u[0])];
     float s, t;
-    out->pdf = rnd_area_draw(lights->choose[RND_LIGHT_AREA], area, point, u[2], u[3], &out->direction,
-                             &out->distance, &s, &t);
+    out->pdf = rnd_area_draw(area, point, u[2], u[3], &out->direction, &out->distance, &s, &t);
     out->delta = false;
     if (!(out->pdf > 0.0f)) return false;
     out->radiance = rnd_area_emission(scene, area, s, t);
@@ -203,7 +202,6 @@ static bool draw_env(const struct rnd_lights *lights, const float u[4], struct r
     out->direction = rnd_env_direction(env, rnd_alias_draw(&env->alias, u[1], u[0]), u[2], u[3], &s, &t);
     out->distance = INFINITY;
     out->radiance = rnd_env_radiance(env, out->direction, &out->pdf);
-    out->pdf *= lights->choose[RND_LIGHT_ENV];
     out->delta = false;
     return out->pdf > 0.0f;
 }
@@ -215,11 +213,11 @@ static bool draw_sun(const struct rnd_lights *lights, const float u[4], struct r
     out->radiance = sun->radiance;
     out->delta = !(sun->cos_radius < 1.0f);
     out->direction = sun->direction;
-    out->pdf = lights->choose[RND_LIGHT_SUN];
+    out->pdf = 1.0f;
     if (out->delta) return true;
     const struct rnd_v3_frame frame = rnd_v3_frame(sun->direction);
     out->direction = rnd_sun_draw(sun, &frame, u[2], u[3]);
-    out->pdf *= rnd_sun_pdf(sun);
+    out->pdf = rnd_sun_pdf(sun);
     return true;
 }
 
@@ -228,7 +226,7 @@ static bool draw_punctual(const struct rnd_lights *lights, struct rnd_v3 point, 
 {
     const uint32_t i = rnd_alias_draw(&lights->punctual_alias, u[1], u[0]);
     const struct rnd_punctual *light = &lights->punctual[i];
-    out->pdf = lights->choose[RND_LIGHT_PUNCTUAL] * lights->punctual_alias.probability[i];
+    out->pdf = lights->punctual_alias.probability[i];
     out->delta = true;
     out->radiance = light->intensity;
     if (light->kind == RND_DIRECTIONAL) {

@@ -146,7 +146,7 @@ struct rnd_punctual {
 enum { RND_LIGHT_AREA, RND_LIGHT_ENV, RND_LIGHT_SUN, RND_LIGHT_PUNCTUAL, RND_LIGHT_GROUPS };
 
 struct rnd_lights {
-    float choose[RND_LIGHT_GROUPS]; /* probability of each group */
+    bool has[RND_LIGHT_GROUPS]; /* does the group give light? */
     uint32_t area_count;
     bool area_textured; /* some of them are */
     struct rnd_area *area;
@@ -158,16 +158,17 @@ struct rnd_lights {
     struct rnd_alias punctual_alias;
 };
 
-/* A light seen from a point: where to look for it, what comes from there, with which density it was drawn. */
+/* A light of a group seen from a point: where to look for it, what comes from there, with which density it
+ * was drawn within the group. */
 struct rnd_light_sample {
     struct rnd_v3 direction; /* unit, towards the light */
     float distance;          /* INFINITY for env and sun */
     struct rnd_v3 radiance;  /* for lights without extent, the irradiance facing it */
-    float pdf;  /* per steradian, choice of group included; for lights without extent, of the choice alone */
-    bool delta; /* no extent: cannot be hit by chance */
+    float pdf;               /* per steradian; for lights without extent, of the choice alone */
+    bool delta;              /* no extent: cannot be hit by chance */
 };
 
-/* After the geometry: find what emits and make the tables; choose is 1 for every group that gives light. */
+/* After the geometry: find what emits and make the tables. */
 bool rnd_lights_build(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE]);
 void rnd_lights_finish(struct rnd_lights *lights);
 
@@ -183,24 +184,21 @@ struct rnd_v3 rnd_area_emission(const struct rnd_scene *scene, const struct rnd_
 #define RND_LEAST_COSINE 1e-6f
 
 /* Density per steradian with which rnd_light_draw() draws the point of a triangle that is seen at a distance
- * along a direction, choice of group included, whose probability is choose. */
-RND_INLINE float rnd_area_pdf(float choose, const struct rnd_area *area, struct rnd_v3 direction,
-                              float distance)
+ * along a direction. */
+RND_INLINE float rnd_area_pdf(const struct rnd_area *area, struct rnd_v3 direction, float distance)
 {
     const struct rnd_v3 twice = rnd_v3_cross(area->e1, area->e2);
     const float projected = fabsf(rnd_v3_dot(twice, direction)); /* twice the area, times the cosine */
     const float least = RND_LEAST_COSINE * RND_LEAST_COSINE * rnd_v3_dot(twice, twice);
-    const float pdf =
-        choose * area->probability * distance * distance / (0.5f * rnd_larger(projected, 1e-37f));
+    const float pdf = area->probability * distance * distance / (0.5f * rnd_larger(projected, 1e-37f));
     return (projected * projected > least) & (pdf < INFINITY) ? pdf : 0.0f;
 }
 
 /* Draw a point of a triangle as seen from a point, by two numbers in [0,1): its direction, distance and
  * barycentric coordinates. Returns the density as rnd_area_pdf() does, 0 if the triangle does not shine
  * there. */
-RND_INLINE float rnd_area_draw(float choose, const struct rnd_area *area, struct rnd_v3 point, float u,
-                               float v, struct rnd_v3 *out_direction, float *out_distance, float *out_s,
-                               float *out_t)
+RND_INLINE float rnd_area_draw(const struct rnd_area *area, struct rnd_v3 point, float u, float v,
+                               struct rnd_v3 *out_direction, float *out_distance, float *out_s, float *out_t)
 {
     const float root = sqrtf(u), s = v * root, t = root - s; /* uniform over the triangle */
     const struct rnd_v3 p = rnd_v3_muladd(area->e2, t, rnd_v3_muladd(area->e1, s, area->corner)),
@@ -212,7 +210,7 @@ RND_INLINE float rnd_area_draw(float choose, const struct rnd_area *area, struct
     *out_t = t;
     const float facing = rnd_v3_dot(rnd_v3_cross(area->e1, area->e2), *out_direction);
     const int shines = (facing < 0.0f) | ((area->flags & RND_AREA_DOUBLE) != 0);
-    const float pdf = rnd_area_pdf(choose, area, *out_direction, distance);
+    const float pdf = rnd_area_pdf(area, *out_direction, distance);
     return shines & (distance > 0.0f) ? pdf : 0.0f;
 }
 

@@ -86,7 +86,6 @@ struct rnd_scene *rnd_scene_load(const struct rnd_scene_options *options, char o
     if (options->has_eye) memcpy(scene->info.eye, options->eye, sizeof options->eye);
     const double read = seconds();
     if (!build(scene, options->path, out_error)) goto fail;
-    rnd_survey_lights(scene);
 
     scene->info.meshes = scene->mesh_count;
     scene->info.materials = scene->material_count;

@@ -129,9 +129,6 @@ int rnd_texture_add(struct rnd_scene *scene, const char *path, const void *memor
 /* Read all that were added, by so many threads. False and a line in out_error on failure. */
 bool rnd_textures_load(struct rnd_scene *scene, int threads, char out_error[RND_ERROR_SIZE]);
 
-/* path/survey.c: look around from the eye and set lights.choose by what really arrives of each group. */
-void rnd_survey_lights(struct rnd_scene *scene);
-
 /* accel.c */
 bool rnd_accel_build(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE]);
 

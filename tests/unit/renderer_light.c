@@ -1,5 +1,6 @@
-/* Lights by themselves: what is drawn of them follows the density stated, which integrates to one; and a
- * sphere of light gives what its closed form says. */
+/* Lights by themselves: what is drawn of them follows the density stated, which integrates to one; a
+ * sphere of light gives what its closed form says; and points ask the lights that reach them. */
+#include "render.h"
 #include "renderer_files.h"
 #include "scene/scene.h"
 #include "statistics.h"
@@ -40,7 +41,7 @@ static void environment(void **state)
     struct rnd_scene *scene = rnd_scene_load(&options, error);
     if (!scene) fail_msg("%s", error);
     const struct rnd_env *env = scene->lights.env;
-    assert_true(scene->lights.choose[RND_LIGHT_ENV] == 1.0f);
+    assert_true(scene->lights.has[RND_LIGHT_ENV]);
 
     double sum = 0.0, all = 0.0, given = 0.0;
     for (int cell = 0; cell < CELLS; cell++) {
@@ -98,9 +99,8 @@ static void triangle(void **state)
         const float u[4] = {stat_uniform(6, i), stat_uniform(7, i), stat_uniform(8, i), stat_uniform(9, i)};
         struct rnd_light_sample light;
         assert_true(rnd_light_draw(scene, RND_LIGHT_AREA, rnd_v3(0, 0, 0), u, &light));
-        assert_float_equal(
-            rnd_area_pdf(scene->lights.choose[RND_LIGHT_AREA], &scene->lights.area[0], light.direction, light.distance) / light.pdf,
-            1, 1e-5);
+        assert_float_equal(rnd_area_pdf(&scene->lights.area[0], light.direction, light.distance) / light.pdf,
+                           1, 1e-5);
         angle += 1.0 / light.pdf / DRAWS;
     }
     print_message("solid angle %.5f of %.5f sr\n", angle, expected);
@@ -140,9 +140,44 @@ static void sphere_of_light(void **state)
     rnd_scene_destroy(scene);
 }
 
+/* A lamp in a closed box under the sun: who is in the box asks the lamp, who stands outside asks the sun, and
+ * neither forgets the other. */
+static void survey(void **state)
+{
+    (void)state;
+    static const float sun[4] = {20, 60, 5, 0.53f}, in[3] = {0, 1, 0}, out[3] = {3, 1, 0};
+    float choose[2][3][RND_LIGHT_GROUPS];
+    files_text("b.mtl", "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl lamp\nKd 0 0 0\nKe 3 3 3\n");
+    struct rnd_scene *scene = files_load(
+        files_text("b.obj", "mtllib b.mtl\nusemtl wall\nv -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\n"
+                            "v -1 2 -1\nv 1 2 -1\nv 1 2 1\nv -1 2 1\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\n"
+                            "f 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\nv -9 -0.1 -9\nv 9 -0.1 -9\nv 9 -0.1 9\n"
+                            "v -9 -0.1 9\nf 12 11 10 9\nusemtl lamp\nv -0.3 1.9 -0.3\nv 0.3 1.9 -0.3\n"
+                            "v 0 1.9 0.3\nf 13 14 15\n"),
+        NULL, sun, NULL);
+    for (int threads = 1; threads <= 3; threads++) {
+        struct rnd_pool *pool = rnd_pool_create(threads);
+        assert_non_null(pool);
+        rnd_survey_lights(scene, in, pool, threads, choose[0][threads - 1]);
+        rnd_survey_lights(scene, out, pool, threads, choose[1][threads - 1]);
+        rnd_pool_destroy(pool);
+    }
+    for (int place = 0; place < 2; place++) {
+        const float *c = choose[place][0];
+        const int near = place == 0 ? RND_LIGHT_AREA : RND_LIGHT_SUN,
+                  far = place == 0 ? RND_LIGHT_SUN : RND_LIGHT_AREA;
+        print_message("%s: lamp %.3f, sun %.3f\n", place == 0 ? "inside" : "outside", c[RND_LIGHT_AREA],
+                      c[RND_LIGHT_SUN]);
+        assert_float_equal(c[near] + c[far], 1, 1e-6);
+        assert_true(c[near] >= 0.89f && c[far] >= 0.09f);
+        for (int t = 1; t < 3; t++) assert_memory_equal(c, choose[place][t], sizeof choose[place][t]);
+    }
+    rnd_scene_destroy(scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(environment), cmocka_unit_test(triangle),
-                                       cmocka_unit_test(sphere_of_light)};
+                                       cmocka_unit_test(sphere_of_light), cmocka_unit_test(survey)};
     return cmocka_run_group_tests_name("renderer_light", tests, files_setup, files_teardown);
 }
