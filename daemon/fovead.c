@@ -17,7 +17,8 @@
 #include "report.h"
 #include "trackers.h"
 
-/* Batches of 3.5 ms follow the eye within 5; shorter ones cost paths. Without gaze or client longer ones do. */
+/* Batches of 3.5 ms follow the eye within 5; shorter ones cost paths. Without gaze or client longer ones do.
+ */
 static const double STEERED_SECONDS = 0.0035, UNSTEERED_SECONDS = 0.05;
 
 /* What a signal handler can reach. */
@@ -76,6 +77,7 @@ static bool load(struct daemon *daemon)
 {
     struct dmn_options *options = &daemon->options;
     struct dmn_common *common = &daemon->common;
+    struct rnd_scene_options scene = options->scene;
     char error[RND_ERROR_SIZE];
     cpu_set_t processors;
 
@@ -87,7 +89,8 @@ static bool load(struct daemon *daemon)
     common->gaze = dmn_gaze_open(options, error);
     if (!common->gaze) return fail(error);
     if (options->watch && !(common->edits = dmn_edits_create(&options->scene, error))) return fail(error);
-    daemon->scene = rnd_scene_load(&options->scene, error);
+    scene.textures_later = !options->virtual_clock; /* when they come is no two times the same */
+    daemon->scene = rnd_scene_load(&scene, error);
     if (!daemon->scene) return fail(error);
     common->render = rnd_render_create(daemon->scene, &options->render, error);
     if (!common->render) return fail(error);
@@ -274,7 +277,7 @@ int main(int argc, char **argv)
         dmn_loop_run(daemon.loop);
     }
     stop(&daemon, &work);
-    if (good) good = finish(&daemon, &work);
+    if (good) good = work.error ? fail(work.error) : finish(&daemon, &work);
     dmn_edits_destroy(daemon.common.edits);
     dmn_painter_destroy(daemon.common.painter);
     dmn_gaze_close(daemon.common.gaze);

@@ -32,6 +32,8 @@ struct dmn_painter {
     uint64_t began_ns;
     uint64_t gaze_ns, aimed_ns; /* of the aim: when its gaze arrived, when the first batch with it began */
     uint32_t converged;
+    bool reading; /* textures of the scene are, and the picture does without them */
+    char error[RND_ERROR_SIZE];
 
     pthread_mutex_t lock; /* of all that follows */
     struct dmn_work work; /* written by the painter's thread alone, which reads it without the lock */
@@ -137,12 +139,15 @@ static uint32_t next_paths(const struct dmn_painter *painter, uint32_t paths, co
 /* Begin a new generation, if one is due. */
 static bool restart(struct dmn_painter *painter)
 {
+    const enum rnd_textures textures = rnd_scene_take_textures(painter->options.scene, painter->error);
     struct dmn_work *work = &painter->work;
     struct rnd_scene *next;
     bool due;
 
+    painter->reading = textures == RND_TEXTURES_READING;
     pthread_mutex_lock(&painter->lock);
-    due = painter->due;
+    if (textures == RND_TEXTURES_BROKEN) work->error = painter->error;
+    due = painter->due || textures == RND_TEXTURES_CAME;
     next = painter->next;
     if (due) {
         painter->due = false;
@@ -181,6 +186,7 @@ static void *paint(void *argument)
         uint64_t aimed_ns;
 
         first |= restart(painter);
+        if (painter->work.error) break;
         if (options->virtual_clock) dmn_gaze_advance(options->gaze, virtual_ns);
         dmn_gaze_aim(options->gaze, &aim);
         aimed_ns = first_aimed_ns(painter, &aim, options->virtual_clock ? virtual_ns : dmn_now_ns());
@@ -191,7 +197,8 @@ static void *paint(void *argument)
             rnd_render_batch(options->render, &aim, aimed_ns, paths, &batch);
             virtual_ns += VIRTUAL_STEP_NS;
         }
-        done = book(painter, &batch, options->virtual_clock ? virtual_ns : dmn_now_ns());
+        /* what has no textures yet is never the picture that was asked for */
+        done = book(painter, &batch, options->virtual_clock ? virtual_ns : dmn_now_ns()) && !painter->reading;
         if (first) batch.seconds = 0; /* says nothing about the batches to come */
     }
     pthread_mutex_lock(&painter->lock);

@@ -1,5 +1,6 @@
 /* paint: the thread that adds batch after batch of paths to the film. Between two of them it takes up what
- * has been asked for meanwhile: another place for the eye, another scene. Either begins a new generation. */
+ * has come meanwhile: another place for the eye, another scene, textures of the one it has. Each begins a new
+ * generation. */
 #ifndef FOVEAD_DAEMON_PAINT_H
 #define FOVEAD_DAEMON_PAINT_H
 
@@ -11,8 +12,8 @@ struct dmn_painter_options {
     struct rnd_render *render; /* these two must outlive the painter */
     struct dmn_gaze *gaze;
     struct rnd_scene *scene; /* of the render */
-    uint64_t pixels; /* of the film */
-    uint32_t tiles;  /* of its finest level */
+    uint64_t pixels;         /* of the film */
+    uint32_t tiles;          /* of its finest level */
     struct dmn_until until;
     bool virtual_clock;
     double batch_seconds;        /* aimed at with the real clock */
@@ -32,6 +33,7 @@ struct dmn_work {
     double share;                                /* of what --until asks, 0 to 1 */
     uint64_t now_ns;                             /* the virtual clock; with the real one, CLOCK_MONOTONIC */
     bool done;
+    const char *error; /* why painting ended before it was done, or NULL; the painter's */
 };
 
 /* NULL if memory is short or no thread can be made. */

@@ -13,14 +13,18 @@ enum { BAR = 32 };
 
 void dmn_report_scene(const struct rnd_scene_info *info, const char *path, char *out_line, size_t size)
 {
-    snprintf(out_line, size,
-             "%s: %llu triangles (%llu emissive), %u materials, %u textures (%.1f MB), %u lights%s%s; read "
-             "in %.2f s, "
-             "built in %.2f s",
-             path, (unsigned long long)info->triangles, (unsigned long long)info->emissive_triangles,
-             info->materials, info->textures, (double)info->texture_bytes * 1e-6, info->punctual_lights,
-             info->has_env ? ", environment" : "", info->has_sun ? ", sun" : "", info->read_seconds,
-             info->build_seconds);
+    char textures[32] = "";
+
+    if (info->texture_bytes)
+        snprintf(textures, sizeof(textures), " (%.1f MB)", (double)info->texture_bytes * 1e-6);
+    snprintf(
+        out_line, size,
+        "%s: %llu triangles (%llu emissive), %u materials, %u textures%s, %u lights%s%s; read in %.2f s, "
+        "built in %.2f s",
+        path, (unsigned long long)info->triangles, (unsigned long long)info->emissive_triangles,
+        info->materials, info->textures, textures, info->punctual_lights,
+        info->has_env ? ", environment" : "", info->has_sun ? ", sun" : "", info->read_seconds,
+        info->build_seconds);
 }
 
 void dmn_report_left_out(const struct rnd_scene_info *info, const char *path)

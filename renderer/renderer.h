@@ -41,6 +41,9 @@ struct rnd_scene_options {
     float sun[4]; /* azimuth (deg, right of -Z), elevation (deg), irradiance on a surface facing it, angular
                      diameter (deg, 0 to 90) */
     float env_azimuth; /* deg by which the environment map is turned to the right */
+    /* Do not wait for the textures, but for those that say where a surface is or what it emits: the first
+     * picture does without the others. See rnd_scene_take_textures(). */
+    bool textures_later;
     bool has_eye;
     float eye[3]; /* m; without it the first camera of the file, else the middle of the scene's bounds */
 };
@@ -50,8 +53,8 @@ struct rnd_scene_info {
     uint32_t meshes, materials, textures, punctual_lights;
     bool has_env, has_sun;
     float eye[3];
-    float bounds[2][3]; /* lowest and highest corner, m */
-    uint64_t texture_bytes;
+    float bounds[2][3];                 /* lowest and highest corner, m */
+    uint64_t texture_bytes;             /* 0 while they are read */
     double read_seconds, build_seconds; /* import and textures; BVH and light tables */
     const char *
         unsupported; /* what the file asks for and the renderer does not do, comma-separated; "" if nothing */
@@ -62,6 +65,13 @@ struct rnd_scene_info {
  * rnd_scene_destroy(). */
 struct rnd_scene *rnd_scene_load(const struct rnd_scene_options *options, char out_error[RND_ERROR_SIZE]);
 void rnd_scene_destroy(struct rnd_scene *scene); /* accepts NULL; after every render of it */
+
+/* Use the textures of a scene that was loaded without waiting for them, if they have been read by now: a
+ * render of it must then be restarted. Not while one of its renders is at a batch. RND_TEXTURES_BROKEN and a
+ * line in out_error if one cannot be read: the scene stays as it is. */
+enum rnd_textures { RND_TEXTURES_IN_USE, RND_TEXTURES_READING, RND_TEXTURES_CAME, RND_TEXTURES_BROKEN };
+enum rnd_textures rnd_scene_take_textures(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE]);
+
 const struct rnd_scene_info *rnd_scene_info(const struct rnd_scene *scene);
 
 /* --- where samples fall

@@ -6,7 +6,6 @@
 #include <string.h>
 #include <pthread.h>
 #include <time.h>
-#include <unistd.h>
 
 void rnd_direction(float azimuth, float elevation, float out_direction[3])
 {
@@ -42,28 +41,106 @@ static void *build_geometry(void *argument)
     return NULL;
 }
 
-static bool has_coverage(const struct rnd_scene *scene)
+/* Coverage is asked for by the tree, and emission by the lights. */
+static void mark_first_textures(struct rnd_scene *scene)
 {
-    for (uint32_t i = 0; i < scene->material_count; i++)
-        if (scene->material[i].alpha_mode != RND_OPAQUE) return true;
-    return false;
+    for (uint32_t i = 0; i < scene->material_count; i++) {
+        const struct rnd_material *m = &scene->material[i];
+        const bool covers = m->alpha_mode != RND_OPAQUE, emits = rnd_luminance(m->emission.raw) > 0.0f;
+        const int map[3] = {covers ? m->map[RND_MAP_BASE].texture : -1,
+                            covers ? m->map[RND_MAP_COVERAGE].texture : -1,
+                            emits ? m->map[RND_MAP_EMISSION].texture : -1};
+        for (int k = 0; k < 3; k++)
+            if (map[k] >= 0) scene->texture[map[k]].first = true;
+    }
 }
 
-static bool build(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE])
+static bool build(struct rnd_scene *scene, const struct rnd_scene_options *options,
+                  char out_error[RND_ERROR_SIZE])
 {
     struct building geometry = {.scene = scene};
     pthread_t thread;
-    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
-    /* Only coverage asks for textures before the tree is built. */
-    const bool apart = !has_coverage(scene) && pthread_create(&thread, NULL, build_geometry, &geometry) == 0;
-    const bool textures = rnd_textures_load(scene, processors > 0 ? (int)processors : 1, out_error);
-    if (apart)
-        pthread_join(thread, NULL);
-    else if (textures)
+    mark_first_textures(scene);
+    if (!rnd_textures_load(scene, true, out_error)) return false;
+    if (options->textures_later) {
         build_geometry(&geometry);
-    if (textures && !geometry.ok) memcpy(out_error, geometry.error, RND_ERROR_SIZE);
-    return textures && geometry.ok && rnd_lights_build(scene, path, out_error);
+    } else {
+        const bool apart = pthread_create(&thread, NULL, build_geometry, &geometry) == 0;
+        const bool textures = rnd_textures_load(scene, false, out_error);
+        if (apart)
+            pthread_join(thread, NULL);
+        else
+            build_geometry(&geometry);
+        if (!textures) return false;
+        rnd_textures_cap(scene);
+    }
+    if (!geometry.ok) memcpy(out_error, geometry.error, RND_ERROR_SIZE);
+    return geometry.ok && rnd_lights_build(scene, options->path, out_error);
 }
+
+/* --- textures that come later --- */
+
+static void *read_textures(void *argument)
+{
+    struct rnd_scene *scene = argument;
+    if (!rnd_textures_load(scene, false, scene->texture_error)) atomic_store(&scene->broken, true);
+    atomic_store(&scene->read, true);
+    return NULL;
+}
+
+/* As the material is without the maps that are not there yet: grey where its colour is unknown, and matt
+ * where its metal is, which most of a textured surface is. */
+static struct rnd_material without_textures(const struct rnd_scene *scene, struct rnd_material m)
+{
+    for (int k = 0; k < RND_MAPS; k++) {
+        if (m.map[k].texture < 0 || scene->texture[m.map[k].texture].levels > 0) continue;
+        m.map[k].texture = -1;
+        if (k == RND_MAP_BASE) m.base = glms_vec3_scale(m.base, 0.5f);
+        if (k == RND_MAP_METAL_ROUGH) m.metallic = 0.0f;
+    }
+    return m;
+}
+
+static bool read_later(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE])
+{
+    bool any = false;
+    for (uint32_t i = 0; i < scene->texture_count; i++) any |= scene->texture[i].levels == 0;
+    if (!any) {
+        rnd_textures_cap(scene);
+        return true;
+    }
+    struct rnd_material *plain = malloc(scene->material_count * sizeof *plain);
+    for (uint32_t i = 0; plain && i < scene->material_count; i++)
+        plain[i] = without_textures(scene, scene->material[i]);
+    scene->reading = plain && pthread_create(&scene->reader, NULL, read_textures, scene) == 0;
+    if (scene->reading) {
+        scene->textured = scene->material;
+        scene->material = plain;
+        return true;
+    }
+    free(plain);
+    snprintf(out_error, RND_ERROR_SIZE, "not enough memory or threads for textures");
+    return false;
+}
+
+enum rnd_textures rnd_scene_take_textures(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE])
+{
+    if (!scene->reading) return RND_TEXTURES_IN_USE;
+    if (!atomic_load(&scene->read)) return RND_TEXTURES_READING;
+    if (atomic_load(&scene->broken)) {
+        memcpy(out_error, scene->texture_error, RND_ERROR_SIZE);
+        return RND_TEXTURES_BROKEN;
+    }
+    pthread_join(scene->reader, NULL);
+    scene->reading = false;
+    rnd_textures_cap(scene);
+    free(scene->material);
+    scene->material = scene->textured;
+    scene->textured = NULL;
+    return RND_TEXTURES_CAME;
+}
+
+/* --- all --- */
 
 struct rnd_scene *rnd_scene_load(const struct rnd_scene_options *options, char out_error[RND_ERROR_SIZE])
 {
@@ -85,7 +162,8 @@ struct rnd_scene *rnd_scene_load(const struct rnd_scene_options *options, char o
     }
     if (options->has_eye) memcpy(scene->info.eye, options->eye, sizeof options->eye);
     const double read = seconds();
-    if (!build(scene, options->path, out_error)) goto fail;
+    if (!build(scene, options, out_error)) goto fail;
+    if (options->textures_later && !read_later(scene, out_error)) goto fail;
 
     scene->info.meshes = scene->mesh_count;
     scene->info.materials = scene->material_count;
@@ -105,6 +183,10 @@ fail:
 void rnd_scene_destroy(struct rnd_scene *scene)
 {
     if (!scene) return;
+    if (scene->reading) {
+        atomic_store(&scene->cancelled, true);
+        pthread_join(scene->reader, NULL);
+    }
     if (scene->tree) rtcReleaseScene(scene->tree);
     if (scene->device) rtcReleaseDevice(scene->device);
     rnd_lights_finish(&scene->lights);
@@ -120,6 +202,7 @@ void rnd_scene_destroy(struct rnd_scene *scene)
     free(scene->instance);
     free(scene->alpha);
     free(scene->material);
+    free(scene->textured);
     for (uint32_t i = 0; i < scene->texture_count; i++) rnd_texture_finish(&scene->texture[i]);
     free(scene->texture);
     free(scene->record);

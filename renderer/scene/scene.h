@@ -11,6 +11,8 @@
 #include "sphere.h"
 
 #include <embree3/rtcore.h>
+#include <pthread.h>
+#include <stdatomic.h>
 
 /* --- materials --- */
 
@@ -114,6 +116,14 @@ struct rnd_scene {
     struct rnd_alpha *alpha; /* of the meshes that are not there everywhere, for Embree's filters */
     RTCDevice device;
     RTCScene tree;
+
+    /* While textures are read: the materials with all their maps; material are those that do without. */
+    struct rnd_material *textured;
+    pthread_t reader;
+    bool reading;             /* there is such a thread, or was and has not been joined */
+    atomic_bool read, broken; /* it is done; and a texture could not be read */
+    atomic_bool cancelled;    /* nobody wants the textures any more */
+    char texture_error[RND_ERROR_SIZE];
 };
 
 /* import.c: geometry, materials, textures and punctual lights of a file. */
@@ -126,8 +136,11 @@ void rnd_scene_unsupported(struct rnd_scene *scene, const char *name);
  * and once. -1 and a line in out_error if memory is short. */
 int rnd_texture_add(struct rnd_scene *scene, const char *path, const void *memory, size_t count, bool srgb,
                     char out_error[RND_ERROR_SIZE]);
-/* Read all that were added, by so many threads. False and a line in out_error on failure. */
-bool rnd_textures_load(struct rnd_scene *scene, int threads, char out_error[RND_ERROR_SIZE]);
+/* Read those that were added and not read yet: all, or those that are marked as first. False and a line in
+ * out_error on failure. */
+bool rnd_textures_load(struct rnd_scene *scene, bool first, char out_error[RND_ERROR_SIZE]);
+/* Bring all of them under the cap of memory, and tell what they take. */
+void rnd_textures_cap(struct rnd_scene *scene);
 
 /* accel.c */
 bool rnd_accel_build(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE]);

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* Of all textures with their mipmaps; what is over it loses its finest levels. */
 static const uint64_t CAP_BYTES = (uint64_t)2 << 30;
@@ -178,8 +179,8 @@ static uint64_t bytes_of(const struct rnd_texture *texture)
     return (texture->level[texture->levels - 1].first + 1) * (texture->floats ? 4 * sizeof(float) : 4);
 }
 
-/* Under the cap, the largest textures first: what the film cannot show is lost before what it can. */
-static void keep_cap(struct rnd_scene *scene)
+/* The largest textures first: what the film cannot show is lost before what it can. */
+void rnd_textures_cap(struct rnd_scene *scene)
 {
     for (;;) {
         struct rnd_texture *largest = NULL;
@@ -197,6 +198,7 @@ static void keep_cap(struct rnd_scene *scene)
 
 struct loading {
     struct rnd_scene *scene;
+    bool first;
     _Atomic uint32_t next;
     _Atomic uint32_t failed; /* the lowest index that did: the same line whatever thread was first */
     char (*error)[RND_ERROR_SIZE];
@@ -208,17 +210,20 @@ static void *load_some(void *argument)
     struct rnd_scene *scene = loading->scene;
     for (;;) {
         const uint32_t i = atomic_fetch_add(&loading->next, 1);
-        if (i >= scene->texture_count) return NULL;
-        if (scene->texture[i].levels > 0 || rnd_texture_load(&scene->texture[i], loading->error[i])) continue;
+        if (i >= scene->texture_count || atomic_load(&scene->cancelled)) return NULL;
+        struct rnd_texture *texture = &scene->texture[i];
+        if (texture->levels > 0 || texture->first < loading->first) continue;
+        if (rnd_texture_load(texture, loading->error[i])) continue;
         uint32_t known = atomic_load(&loading->failed);
         while (i < known && !atomic_compare_exchange_weak(&loading->failed, &known, i)) continue;
     }
 }
 
-bool rnd_textures_load(struct rnd_scene *scene, int threads, char out_error[RND_ERROR_SIZE])
+bool rnd_textures_load(struct rnd_scene *scene, bool first, char out_error[RND_ERROR_SIZE])
 {
     enum { MOST = 64 };
-    struct loading loading = {.scene = scene, .failed = UINT32_MAX};
+    const long threads = sysconf(_SC_NPROCESSORS_ONLN);
+    struct loading loading = {.scene = scene, .first = first, .failed = UINT32_MAX};
     pthread_t thread[MOST];
     int started = 0;
     if (scene->texture_count == 0) return true;
@@ -234,7 +239,6 @@ bool rnd_textures_load(struct rnd_scene *scene, int threads, char out_error[RND_
     const uint32_t failed = atomic_load(&loading.failed);
     if (failed != UINT32_MAX) memcpy(out_error, loading.error[failed], RND_ERROR_SIZE);
     free(loading.error);
-    if (failed == UINT32_MAX) keep_cap(scene);
     return failed == UINT32_MAX;
 }
 

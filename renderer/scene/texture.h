@@ -26,6 +26,7 @@ struct rnd_texture {
     bool srgb;  /* the bytes of r, g and b are sRGB; floats are always linear */
     void *file; /* bytes of a file in memory until it is read, or NULL */
     size_t file_bytes;
+    bool first;     /* asked for before the tree and the lights can be built */
     bool has_alpha; /* the file has a channel for it; else it is 1 everywhere */
     int levels;
     float log2_size;                        /* of the square root of the finest level's texels */

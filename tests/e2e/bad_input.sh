@@ -72,6 +72,8 @@ sed -i 's/"emissiveFactor"/"emissiveTexture": {"index": 0}, &/; s/"materials"/"i
 sed -i 's/{"POSITION": 0}/{"POSITION": 0, "TEXCOORD_0": 0}/' textured.gltf
 echo "not an image" >words.png
 bad words.png --scene textured.gltf
+sed 's/"emissiveTexture": {"index": 0}, //; s/"materials": \[{/&"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}, /' textured.gltf >late.gltf
+bad words.png --scene late.gltf # read while painting has begun
 
 # --- gaze logs
 log_refused() { bad "$1" --scene room.obj --gaze "replay:$1"; }

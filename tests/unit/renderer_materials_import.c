@@ -108,8 +108,7 @@ static void kinds(void **state)
         {"{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":1},\"metallicRoughnessTexture\":{"
          "\"index\":1}}}",
          RND_METAL_ROUGH},
-        {"{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}",
-         RND_METAL_ROUGH},
+        {"{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}", RND_METAL_ROUGH},
         {"{\"normalTexture\":{\"index\":1,\"extensions\":{\"KHR_texture_transform\":{}}}}", RND_METAL_ROUGH},
         {"{\"normalTexture\":{\"index\":1,\"extensions\":{\"KHR_texture_transform\":{\"scale\":[2,1]}}}}",
          RND_RICH},
@@ -222,6 +221,52 @@ static void specular_glossiness(void **state)
     NEAR(root * root * m->specular_colour.x, 0.16);
     NEAR(root * root * m->specular_colour.y, 0.04);
     NEAR(root * root * m->specular_colour.z, 0.08);
+    rnd_scene_destroy(scene);
+}
+
+/* Textures that come after the scene: it does without, then has what it would have had at once; one that
+ * cannot be read is told; and who does not want them any more need not wait. */
+static void later(void **state)
+{
+    (void)state;
+    static const char material[] =
+        "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,0.5,0.25,1],"
+        "\"baseColorTexture\":{\"index\":0},\"metallicRoughnessTexture\":{\"index\":0}}}";
+    char error[RND_ERROR_SIZE] = "";
+    write_halves("halves.png", 0, 1);
+    struct rnd_scene_options options = {.path = files_gltf("later.gltf", 1, node, material, IMAGE),
+                                        .env_path = files_env("env.exr", 1)};
+    struct rnd_scene *at_once = rnd_scene_load(&options, error);
+    assert_non_null(at_once);
+    assert_int_equal(rnd_scene_take_textures(at_once, error), RND_TEXTURES_IN_USE);
+    options.textures_later = true;
+    struct rnd_scene *scene = rnd_scene_load(&options, error);
+    assert_non_null(scene);
+    assert_int_equal(only(scene)->map[RND_MAP_BASE].texture, -1);
+    assert_int_equal(rnd_scene_info(scene)->texture_bytes, 0);
+    NEAR(only(scene)->base.y, 0.25), NEAR(only(scene)->metallic, 0);
+    enum rnd_textures textures;
+    while ((textures = rnd_scene_take_textures(scene, error)) == RND_TEXTURES_READING) continue;
+    assert_int_equal(textures, RND_TEXTURES_CAME);
+    assert_int_equal(rnd_scene_take_textures(scene, error), RND_TEXTURES_IN_USE);
+    assert_memory_equal(only(scene), only(at_once), sizeof *only(scene));
+    const uint64_t bytes = rnd_scene_info(at_once)->texture_bytes;
+    assert_true(bytes > 0 && bytes == rnd_scene_info(scene)->texture_bytes);
+    assert_memory_equal(scene->texture[0].bytes, at_once->texture[0].bytes,
+                        scene->texture[0].level[1].first * 4);
+    rnd_scene_destroy(scene);
+    rnd_scene_destroy(at_once);
+
+    for (int i = 0; i < 20; i++) rnd_scene_destroy(rnd_scene_load(&options, error));
+
+    files_text("halves.png", "no image\n");
+    scene = rnd_scene_load(&options, error);
+    assert_non_null(scene);
+    while ((textures = rnd_scene_take_textures(scene, error)) == RND_TEXTURES_READING) continue;
+    print_message("%s\n", error);
+    assert_int_equal(textures, RND_TEXTURES_BROKEN);
+    assert_non_null(strstr(error, "halves.png"));
+    assert_null(strchr(error, '\n'));
     rnd_scene_destroy(scene);
 }
 
@@ -474,12 +519,19 @@ static void blender_materials(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(all_factors),     cmocka_unit_test(defaults),
-        cmocka_unit_test(kinds),           cmocka_unit_test(maps),
-        cmocka_unit_test(image_in_buffer), cmocka_unit_test(specular_glossiness),
-        cmocka_unit_test(broken_values),   cmocka_unit_test(mtl),
-        cmocka_unit_test(coverage),        cmocka_unit_test(coverage_of_shadows),
-        cmocka_unit_test(cornell_boxes),   cmocka_unit_test(blender_materials),
+        cmocka_unit_test(all_factors),
+        cmocka_unit_test(defaults),
+        cmocka_unit_test(kinds),
+        cmocka_unit_test(maps),
+        cmocka_unit_test(image_in_buffer),
+        cmocka_unit_test(specular_glossiness),
+        cmocka_unit_test(later),
+        cmocka_unit_test(broken_values),
+        cmocka_unit_test(mtl),
+        cmocka_unit_test(coverage),
+        cmocka_unit_test(coverage_of_shadows),
+        cmocka_unit_test(cornell_boxes),
+        cmocka_unit_test(blender_materials),
     };
     return cmocka_run_group_tests_name("renderer_materials_import", tests, files_setup, files_teardown);
 }
