@@ -101,18 +101,6 @@ struct view {
     float p_coat, p_sheen, p_mr, p_glass;     /* chance of each to be drawn */
 };
 
-/* Unpolarised Fresnel reflectance; *out_cos_t is 0 when all is reflected. */
-static float fresnel_dielectric(float cos_i, float eta, float *out_cos_t)
-{
-    const float sin2 = (1.0f - cos_i * cos_i) / (eta * eta);
-    *out_cos_t = 0.0f;
-    if (sin2 >= 1.0f) return 1.0f;
-    const float cos_t = *out_cos_t = sqrtf(1.0f - sin2);
-    const float parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
-    const float perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
-    return 0.5f * (parallel * parallel + perpendicular * perpendicular);
-}
-
 /* What glass reflects and what it lets through, tinted, at a cosine to the facet, and the chance with which
  * reflection is drawn. Fresnel's equations run from f0 to specular as KHR_materials_specular wants. */
 struct parting {
@@ -124,7 +112,7 @@ static struct parting part(const struct view *v, float cosine)
 {
     struct parting out;
     const struct rnd_v3 base = rnd_to_v3(v->s->base);
-    const float whole = fresnel_dielectric(fminf(cosine, 1.0f), v->eta, &out.cos_t);
+    const float whole = rnd_fresnel_dielectric(fminf(cosine, 1.0f), v->eta, &out.cos_t);
     const float r = (v->eta - 1.0f) / (v->eta + 1.0f), f0 = r * r;
     if (out.cos_t <= 0.0f) {
         out.reflected = rnd_v3(1, 1, 1);
@@ -211,7 +199,7 @@ static struct rnd_v3 thick_glass(const struct view *v, struct rnd_v3 wi, float *
     const float co = rnd_v3_dot(v->wo, h), ci = rnd_v3_dot(wi, h), d = rnd_ggx_d(h, alpha);
     if (co <= 0.0f || (above ? ci <= 0.0f : ci >= 0.0f)) return rnd_v3(0, 0, 0);
     const struct parting p = part(v, co);
-    const float more = 1.0f / rnd_glass_albedo(o, alpha, v->eta);
+    const float more = 1.0f / rnd_glass_albedo(v->s->material->glass, o, alpha, !v->s->front);
     if (above) {
         *out_pdf = p.p_reflect * 0.5f * d / (o + ro);
         return rnd_v3_scale(p.reflected, more * 0.5f * d * i / (i * ro + o * ri));

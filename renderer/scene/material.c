@@ -1,6 +1,9 @@
 /* What materials of all formats share: the default, reflectance, and the stage of the integrator they need.
  */
 #include "scene/material.h"
+#include "path/glass.h"
+
+#include <stdlib.h>
 
 void rnd_material_init(struct rnd_material *material)
 {
@@ -51,4 +54,32 @@ void rnd_material_set_kind(struct rnd_material *m)
                          m->map[RND_MAP_METAL_ROUGH].texture < 0 && m->map[RND_MAP_NORMAL].texture < 0;
     m->f0 = powf((m->ior - 1.0f) / (m->ior + 1.0f), 2.0f) * m->specular;
     m->kind = rich ? RND_RICH : lambert ? RND_DIFFUSE : RND_METAL_ROUGH;
+}
+
+/* Materials often share an index and a roughness. */
+static const struct rnd_glass *same_glass(const struct rnd_scene *scene, uint32_t before)
+{
+    const struct rnd_material *m = &scene->material[before];
+    for (uint32_t i = 0; i < before; i++) {
+        const struct rnd_material *other = &scene->material[i];
+        if (other->glass && other->ior == m->ior && other->roughness == m->roughness &&
+            (other->map[RND_MAP_METAL_ROUGH].texture >= 0) == (m->map[RND_MAP_METAL_ROUGH].texture >= 0))
+            return other->glass;
+    }
+    return NULL;
+}
+
+bool rnd_materials_build(struct rnd_scene *scene)
+{
+    if (!(scene->glass = calloc(scene->material_count + 1, sizeof *scene->glass))) return false;
+    for (uint32_t i = 0; i < scene->material_count; i++) {
+        struct rnd_material *m = &scene->material[i];
+        if (m->kind != RND_RICH || !(m->transmission > 0.0f) || m->thin || !(m->roughness > 0.0f)) continue;
+        if ((m->glass = same_glass(scene, i))) continue;
+        const float least = m->map[RND_MAP_METAL_ROUGH].texture >= 0 ? 0.0f : m->roughness;
+        struct rnd_glass *glass = rnd_glass_create(m->ior, least, m->roughness);
+        if (!glass) return false;
+        m->glass = scene->glass[scene->glass_count++] = glass;
+    }
+    return true;
 }

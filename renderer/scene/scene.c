@@ -34,7 +34,7 @@ static void *build_geometry(void *argument)
 {
     struct building *b = argument;
     b->ok = rnd_accel_build(b->scene, b->error);
-    if (!b->ok || rnd_records_build(b->scene)) return NULL;
+    if (!b->ok || (rnd_records_build(b->scene) && rnd_materials_build(b->scene))) return NULL;
     b->ok = false;
     snprintf(b->error, sizeof b->error, "not enough memory for %llu triangles",
              (unsigned long long)b->scene->info.triangles);
@@ -203,6 +203,8 @@ void rnd_scene_destroy(struct rnd_scene *scene)
     free(scene->alpha);
     free(scene->material);
     free(scene->textured);
+    for (uint32_t i = 0; i < scene->glass_count; i++) free(scene->glass[i]);
+    free(scene->glass);
     for (uint32_t i = 0; i < scene->texture_count; i++) rnd_texture_finish(&scene->texture[i]);
     free(scene->texture);
     free(scene->record);

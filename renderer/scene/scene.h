@@ -64,8 +64,9 @@ struct rnd_material {
     float specular; /* KHR_materials_specular: scales the reflectance of the non-metal */
     vec3s specular_colour;
     float transmission;
-    bool thin;        /* transmits without bending: no KHR_materials_volume thickness */
-    vec3s absorption; /* 1/m, inside: KHR_materials_volume */
+    bool thin;                     /* transmits without bending: no KHR_materials_volume thickness */
+    const struct rnd_glass *glass; /* the scene's; NULL if it is not rough or bends nothing */
+    vec3s absorption;              /* 1/m, inside: KHR_materials_volume */
     float clearcoat, clearcoat_roughness;
     vec3s sheen_colour;
     float sheen_roughness;
@@ -109,6 +110,8 @@ struct rnd_scene {
     struct rnd_mesh *mesh;
     struct rnd_material *material;
     struct rnd_texture *texture;
+    uint32_t glass_count;
+    struct rnd_glass **glass;  /* of materials, each once */
     struct rnd_record *record; /* of all triangles, mesh by mesh */
     uint32_t instance_count;
     struct rnd_instance *instance;
@@ -141,6 +144,9 @@ int rnd_texture_add(struct rnd_scene *scene, const char *path, const void *memor
 bool rnd_textures_load(struct rnd_scene *scene, bool first, char out_error[RND_ERROR_SIZE]);
 /* Bring all of them under the cap of memory, and tell what they take. */
 void rnd_textures_cap(struct rnd_scene *scene);
+
+/* material.c: tables for those that are rough glass. False if memory is short. */
+bool rnd_materials_build(struct rnd_scene *scene);
 
 /* accel.c */
 bool rnd_accel_build(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE]);

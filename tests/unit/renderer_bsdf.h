@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "path/ggx.h"
+#include "path/glass.h"
 #include "path/shade.h"
 #include "statistics.h"
 
@@ -39,6 +40,24 @@ static inline void frame_of(vec3s n, vec3s *out_x, vec3s *out_y)
 }
 
 /* A surface whose normal is oblique in the world, so that its frame is tried too. */
+/* Glass of this kind, made once. */
+static inline const struct rnd_glass *glass_of(float ior, float roughness)
+{
+    enum { MOST = 64 };
+    static struct {
+        float ior, roughness;
+        struct rnd_glass *glass;
+    } made[MOST];
+    int i = 0;
+    while (i < MOST && made[i].glass && (made[i].ior != ior || made[i].roughness != roughness)) i++;
+    assert_true(i < MOST);
+    if (!made[i].glass) made[i].glass = rnd_glass_create(ior, roughness, roughness);
+    assert_non_null(made[i].glass);
+    made[i].ior = ior;
+    made[i].roughness = roughness;
+    return made[i].glass;
+}
+
 static inline void make(const struct case_of_bsdf *from, float base, struct rnd_material *material,
                         struct rnd_surface *out)
 {
@@ -52,6 +71,7 @@ static inline void make(const struct case_of_bsdf *from, float base, struct rnd_
                                       .ior = ior,
                                       .transmission = from->transmission,
                                       .thin = from->thin};
+    if (from->transmission > 0 && !from->thin) material->glass = glass_of(ior, from->roughness);
     *out = (struct rnd_surface){
         .material = material,
         .geometric = n,
