@@ -11,12 +11,14 @@ export LSAN_OPTIONS="suppressions=$PWD/tests/lsan.supp:print_suppressions=0"
 export UBSAN_OPTIONS="print_stacktrace=1"
 export TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp:second_deadlock_stack=1"
 
+# Many tests wait for daemons more than they work.
+jobs=$(($(nproc) + 1))
 for preset in ${1:-release sanitize tsan}; do
     printf '\n== %s ==\n' "$preset"
     cmake --preset "$preset" -G Ninja >/dev/null
     cmake --build "build/$preset"
     case $preset in
-    tsan) ctest --test-dir "build/$preset" --output-on-failure -j "$(nproc)" -L threads ;;
-    *) ctest --test-dir "build/$preset" --output-on-failure -j "$(nproc)" ;;
+    tsan) ctest --test-dir "build/$preset" --output-on-failure -j "$jobs" -L threads ;;
+    *) ctest --test-dir "build/$preset" --output-on-failure -j "$jobs" ;;
     esac
 done

@@ -136,7 +136,7 @@ static void glass_of_any_roughness(void **state)
         free(one);
     }
     print_message("glass of any roughness: %.4f off at most\n", worst);
-    assert_true(worst < 0.013); /* half a degree above the surface; 0.007 elsewhere */
+    assert_true(worst < 0.013); /* the most is half a degree above the surface */
     free(any);
 }
 
