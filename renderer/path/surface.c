@@ -115,13 +115,6 @@ static void gather(struct rnd_tracer *tracer, const uint32_t *order, uint32_t co
 
 /* --- geometry --- */
 
-static struct rnd_v3 instance_normal(const struct rnd_instance *instance, struct rnd_v3 n)
-{
-    const float *m = instance->normal_to_world;
-    return rnd_v3(m[0] * n.x + m[3] * n.y + m[6] * n.z, m[1] * n.x + m[4] * n.y + m[7] * n.z,
-                  m[2] * n.x + m[5] * n.y + m[8] * n.z);
-}
-
 static struct rnd_v3 instance_vector(const struct rnd_instance *instance, struct rnd_v3 d)
 {
     const float *m = instance->to_world;
@@ -177,10 +170,11 @@ static void face_instances(struct rnd_tracer *tracer, uint32_t count)
         smooth = rnd_v3_muladd(rnd_v3_normalize(rnd_octahedral_decode(record->normal[1])), u, smooth);
         smooth = rnd_v3_muladd(rnd_v3_normalize(rnd_octahedral_decode(record->normal[2])), v, smooth);
         const struct rnd_v3 own = rnd_v3_scale(rnd_get(&s->geometric, j), s->front[j] ? 1.0f : -1.0f);
-        const struct rnd_v3 outside = rnd_v3_normalize(instance_normal(instance, own));
+        const struct rnd_v3 outside = rnd_v3_normalize(rnd_normal_to_world(instance, own));
         const float side = rnd_v3_dot(outside, direction) < 0.0f ? 1.0f : -1.0f;
         const struct rnd_v3 geometric = rnd_v3_scale(outside, side),
-                            normal = rnd_v3_scale(rnd_v3_normalize(instance_normal(instance, smooth)), side);
+                            normal =
+                                rnd_v3_scale(rnd_v3_normalize(rnd_normal_to_world(instance, smooth)), side);
         const int good = (rnd_v3_dot(normal, direction) < 0.0f) & (rnd_v3_dot(normal, geometric) > 0.0f);
         rnd_put(&s->geometric, j, geometric);
         rnd_put(&s->normal, j, rnd_v3_select(good, normal, geometric));

@@ -117,6 +117,7 @@ uint64_t rnd_trace(struct rnd_tracer *tracer, const float eye[3], struct rnd_wav
     stages->start(tracer, eye, count);
     for (tracer->depth = 0; count > 0; tracer->depth++) {
         rnd_intersect(tracer, &tracer->paths[0], count, tracer->depth == 0);
+        if (tracer->depth == 0 && tracer->scene->one_sided) rnd_pass_backs(tracer, &tracer->paths[0], count);
         book(tracer, RND_STAGE_RAYS, &last_ns);
         count = stages->surface(tracer, count);
         stages->emission(tracer, count);

@@ -157,6 +157,14 @@ RND_INLINE void rnd_put(struct rnd_vectors *to, size_t i, struct rnd_v3 value)
     to->z[i] = value.z;
 }
 
+/* The mesh's normal in the world: it keeps its side, and not its length. */
+RND_INLINE struct rnd_v3 rnd_normal_to_world(const struct rnd_instance *instance, struct rnd_v3 n)
+{
+    const float *m = instance->normal_to_world;
+    return rnd_v3(m[0] * n.x + m[3] * n.y + m[6] * n.z, m[1] * n.x + m[4] * n.y + m[7] * n.z,
+                  m[2] * n.x + m[5] * n.y + m[8] * n.z);
+}
+
 /* Do paths end at the surfaces of this step? */
 RND_INLINE bool rnd_is_last(const struct rnd_tracer *tracer)
 {
@@ -208,9 +216,11 @@ RND_INLINE struct rnd_v3 rnd_clamp_firefly(struct rnd_v3 radiance, float limit)
 /* start.c: paths through the wave's pixels, from the eye. */
 void ISA(rnd_start)(struct rnd_tracer *tracer, const float eye[3], uint32_t count);
 
-/* rays.c: what paths hit; and which shadow rays get through, whose radiance is added. */
+/* rays.c: what paths hit; what an eye sees that looks at the backs of what is one-sided; and which shadow
+ * rays get through, whose radiance is added. */
 void rnd_rays_init(struct rnd_tracer *tracer);
 void rnd_intersect(struct rnd_tracer *tracer, struct rnd_paths *paths, uint32_t count, bool coherent);
+void rnd_pass_backs(struct rnd_tracer *tracer, const struct rnd_paths *paths, uint32_t count);
 void rnd_occlude(struct rnd_tracer *tracer);
 
 /* surface.c: of count rays that were traced from paths 0, add the sky's radiance for those that hit nothing;

@@ -291,6 +291,7 @@ static bool read_material(struct rnd_gltf *gltf, struct rnd_scene *scene, int in
     if (alpha && strcmp(alpha, "BLEND") == 0) to->alpha_mode = RND_BLEND;
     to->alpha_cutoff = number(&r, json, "alphaCutoff", 0.5f, 0.0, FLT_MAX);
     to->double_sided = json_is_true(json_object_get(json, "doubleSided"));
+    to->one_sided = !to->double_sided && !(to->transmission > 0.0f); /* glass is seen through to its back */
     rnd_material_set_kind(to);
     return r.ok;
 }

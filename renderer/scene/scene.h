@@ -73,7 +73,8 @@ struct rnd_material {
     float normal_scale, clearcoat_normal_scale;
     bool unlit;
     vec3s emission;    /* radiance, W sr-1 m-2 */
-    bool double_sided; /* emits from both sides; every material is hit from both */
+    bool double_sided; /* emits from both sides; light is scattered by both in any case */
+    bool one_sided;    /* not there for an eye that sees its back: glTF's back-face culling */
     struct rnd_map map[RND_MAPS];
 };
 
@@ -106,6 +107,7 @@ struct rnd_instance {
 struct rnd_scene {
     struct rnd_scene_info info;
     char unsupported[256];
+    bool one_sided; /* some of the materials are */
     uint32_t mesh_count, material_count, texture_count;
     struct rnd_mesh *mesh;
     struct rnd_material *material;

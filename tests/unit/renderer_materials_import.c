@@ -516,6 +516,41 @@ static void blender_materials(void **state)
     }
 }
 
+/* A grey sheet under a white sky that has one side, on a floor of the same: an eye below the sheet sees the
+ * sky through its back, and a floor that the sheet shades; what is mirrored shows its other side. */
+static void backs(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *sheet;
+        bool double_sided, seen;
+    } cases[] = {{"", false, false},
+                 {"", true, true},
+                 {",\"scale\":[1,-1,1]", false, true},
+                 {",\"rotation\":[1,0,0,0]", false, true},
+                 {",\"rotation\":[1,0,0,0],\"scale\":[1,-1,1]", false, false}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char nodes[400], material[400];
+        snprintf(nodes, sizeof nodes,
+                 "{\"children\":[1,2]},{\"mesh\":0,\"translation\":[0,-1,0]},{\"mesh\":0%s}", cases[i].sheet);
+        snprintf(
+            material, sizeof material,
+            "{\"doubleSided\":%s,\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorFactor\":[0.5,0.5,"
+            "0.5,1]},\"extensions\":{\"KHR_materials_specular\":{\"specularFactor\":0}}}",
+            cases[i].double_sided ? "true" : "false");
+        struct rnd_scene *scene = files_load(files_gltf("backs.gltf", 500, nodes, material, ""),
+                                             files_env("env.exr", 1), NULL, (float[]){0, -0.5f, 0});
+        const struct rnd_aim up = files_aim(0, 1, 0), down = files_aim(0, -1, 0);
+        const double sky = files_radiance(scene, "fv", 4, 20000, &up, 20, NULL),
+                     floor = files_radiance(scene, "fv", 4, 20000, &down, 20, NULL);
+        print_message("sheet%s: %.4f above, %.4f below, %u instances\n", cases[i].sheet, sky, floor,
+                      scene->instance_count);
+        assert_float_equal(sky, cases[i].seen ? 0 : 1, 0.01);
+        assert_float_equal(floor, 0, 0.01);
+        rnd_scene_destroy(scene);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -530,6 +565,7 @@ int main(void)
         cmocka_unit_test(mtl),
         cmocka_unit_test(coverage),
         cmocka_unit_test(coverage_of_shadows),
+        cmocka_unit_test(backs),
         cmocka_unit_test(cornell_boxes),
         cmocka_unit_test(blender_materials),
     };

@@ -173,6 +173,11 @@ static void instances_shaded(void **state)
     assert_int_equal(scene->instance_count, 2);
     assert_float_equal(files_radiance(scene, "fv", 0, 40000, &down, 20, NULL), 0.5, 0.01);
     rnd_scene_destroy(scene);
+    /* from between the two the back of the upper one is not seen */
+    scene = files_load(files_path("grey.gltf"), files_path("env.exr"), NULL, (float[]){0, -5, 0});
+    const struct rnd_aim up = files_aim(0, 1, 0);
+    assert_float_equal(files_radiance(scene, "fv", 0, 20000, &up, 20, NULL), 1, 1e-5);
+    rnd_scene_destroy(scene);
 }
 
 static void gpu_instances(void **state)
