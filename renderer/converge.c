@@ -48,15 +48,19 @@ bool rnd_tile_settled(const struct rnd_render *render, const struct rnd_tile *ti
 {
     if (tile->unvisited > 0 || tile->samples == 0) return false;
     const float step_u = 1.0f / (float)render->film.across, step_v = 1.0f / (float)render->film.down;
-    /* The nearest of the tile's centre and corners to the gaze: cells are chosen by this, many in a batch. */
+    /* The nearest of the tile's centre and corners to the gaze. Cells are chosen by this, many in a batch:
+     * where the error would be seen at the centre already, it would be nearer by. */
     static const float place[5][2] = {{0.5f, 0.5f}, {0, 0}, {1, 0}, {0, 1}, {1, 1}};
-    float nearest = 4.0f; /* square of the chord */
+    const float ppd = (float)render->film.width / 360.0f;
+    float nearest = 5.0f; /* square of the chord, at most 4 */
     for (int i = 0; i < 5; i++) {
         const struct rnd_v3 d =
             rnd_v3_from_uv(((float)x + place[i][0]) * step_u, ((float)y + place[i][1]) * step_v);
         const struct rnd_v3 chord = rnd_v3_sub(d, rnd_v3(gaze[0], gaze[1], gaze[2]));
-        nearest = rnd_smaller(rnd_v3_dot(chord, chord), nearest);
+        const float square = rnd_v3_dot(chord, chord);
+        if (square >= nearest) continue;
+        nearest = square;
+        if (tile->error > rnd_visible_error(glm_deg(2.0f * asinf(0.5f * sqrtf(nearest))), ppd)) return false;
     }
-    const float e = 2.0f * asinf(0.5f * sqrtf(nearest));
-    return tile->error <= rnd_visible_error(glm_deg(e), (float)render->film.width / 360.0f);
+    return true;
 }
