@@ -1,9 +1,58 @@
-/* Rough glass: how much light one bounce off or through one of its facets brings out, so that the rest can be
- * given back (Turquin 2019, "Practical multiple scattering compensation for microfacet models"). */
+/* What glass reflects; panes, which rays pass straight; and rough glass: how much light one bounce off or
+ * through one of its facets brings out, so that the rest can be given back (Turquin 2019, "Practical multiple
+ * scattering compensation for microfacet models"). */
 #ifndef FOVEAD_RENDERER_GLASS_H
 #define FOVEAD_RENDERER_GLASS_H
 
+#include "scene/scene.h"
+
+#include <math.h>
 #include <stdbool.h>
+
+/* Unpolarised Fresnel reflectance; eta is the index behind over the index in front; *out_cos_t is 0 when all
+ * is reflected. */
+static inline float rnd_fresnel_dielectric(float cos_i, float eta, float *out_cos_t)
+{
+    const float sin2 = (1.0f - cos_i * cos_i) / (eta * eta);
+    *out_cos_t = 0.0f;
+    if (sin2 >= 1.0f) return 1.0f;
+    const float cos_t = *out_cos_t = sqrtf(1.0f - sin2);
+    const float parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+    const float perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
+    return 0.5f * (parallel * parallel + perpendicular * perpendicular);
+}
+
+/* The same from f0 to specular instead of from Fresnel's own reflectance ahead to 1: how
+ * KHR_materials_specular changes it. */
+static inline float rnd_fresnel_scaled(float whole, float eta, float f0, float specular)
+{
+    const float r = (eta - 1.0f) / (eta + 1.0f);
+    const float t = fmaxf(0.0f, (whole - r * r) / (1.0f - r * r));
+    return f0 * (1.0f - t) + specular * t;
+}
+
+/* --- panes ---
+ *
+ * A pane is not there for the rays that go straight through it: Embree's filters let each ray pass with the
+ * chance of light to do so, and what hits it is reflected. So light is found through a window as well as
+ * without it, shadow rays and all. */
+
+static inline bool rnd_is_pane(const struct rnd_mesh *mesh, const struct rnd_material *material)
+{
+    return material->pane && !mesh->colour;
+}
+
+/* Share of light that a pane reflects, and that passes it, at the cosine between its way and the triangle. */
+static inline float rnd_pane_reflects(const struct rnd_material *material, float cosine, float *out_passes)
+{
+    float cos_t;
+    const float whole = rnd_fresnel_dielectric(fminf(cosine, 1.0f), material->ior, &cos_t),
+                reflected = rnd_fresnel_scaled(whole, material->ior, material->f0, material->specular);
+    *out_passes = material->base.x * (1.0f - reflected);
+    return reflected;
+}
+
+/* --- rough glass --- */
 
 struct rnd_glass;
 

@@ -1,5 +1,6 @@
 /* The surface at a hit: what textures, vertex colours and normal maps make of a material at a point. */
 #include "path/ggx.h"
+#include "path/glass.h"
 #include "path/shade.h"
 
 #include <string.h>
@@ -161,5 +162,7 @@ void rnd_surface_at(const struct rnd_scene *scene, const struct rnd_hit *hit, ve
     const struct rnd_texel mr = look(&at, RND_MAP_METAL_ROUGH);
     out->metallic *= mr.b;
     out->alpha = rnd_alpha(roughness * mr.g);
-    if (material->kind == RND_RICH) layers_at(&at, smooth, direction, out);
+    if (material->kind != RND_RICH) return;
+    layers_at(&at, smooth, direction, out);
+    out->pane = rnd_is_pane(mesh, material);
 }

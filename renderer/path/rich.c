@@ -95,6 +95,7 @@ struct view {
     struct rnd_mr mr; /* the part that does not transmit */
     float eta;        /* index behind over index in front */
     bool smooth;      /* glass */
+    float pane;       /* of the light that does not pass it, the share that a pane reflects */
     float sheen_roughness;
     float coat, sheen;                        /* strength of the layers; 0: not there */
     float sheen_share, mr_share, glass_share; /* of the light, that each is given */
@@ -111,17 +112,23 @@ struct parting {
 static struct parting part(const struct view *v, float cosine)
 {
     struct parting out;
+    if (v->s->pane) { /* what passes it was never here */
+        out.reflected = rnd_v3(v->pane, v->pane, v->pane);
+        out.through = rnd_v3(0, 0, 0);
+        out.p_reflect = 1.0f;
+        return out;
+    }
     const struct rnd_v3 base = rnd_to_v3(v->s->base);
     const float whole = rnd_fresnel_dielectric(fminf(cosine, 1.0f), v->eta, &out.cos_t);
-    const float r = (v->eta - 1.0f) / (v->eta + 1.0f), f0 = r * r;
     if (out.cos_t <= 0.0f) {
         out.reflected = rnd_v3(1, 1, 1);
         out.through = rnd_v3(0, 0, 0);
         out.p_reflect = 1.0f;
         return out;
     }
-    const float t = fmaxf(0.0f, (whole - f0) / (1.0f - f0)), edge = v->l->specular * t;
-    out.reflected = rnd_v3_muladd(rnd_to_v3(v->l->f0), 1.0f - t, rnd_v3(edge, edge, edge));
+    out.reflected = rnd_v3(rnd_fresnel_scaled(whole, v->eta, v->l->f0.x, v->l->specular),
+                           rnd_fresnel_scaled(whole, v->eta, v->l->f0.y, v->l->specular),
+                           rnd_fresnel_scaled(whole, v->eta, v->l->f0.z, v->l->specular));
     out.through = rnd_v3_scale(base, 1.0f - rnd_v3_max(out.reflected));
     const float reflect = rnd_v3_sum(out.reflected), pass = rnd_v3_sum(out.through);
     out.p_reflect = reflect + pass > 0.0f ? reflect / (reflect + pass) : 1.0f;
@@ -143,6 +150,11 @@ static struct view view_of(const struct rnd_surface *s, vec3s wo)
     v.eta = inside ? 1.0f / s->material->ior : s->material->ior;
     /* glass of index 1 has no facets that one could see */
     v.smooth = s->alpha <= RND_MIN_ALPHA || (!s->material->thin && fabsf(v.eta - 1.0f) < 1e-3f);
+    if (s->pane) {
+        float passes;
+        const float reflects = rnd_pane_reflects(s->material, glms_vec3_dot(wo, s->geometric), &passes);
+        v.pane = passes < 1.0f ? reflects / (1.0f - passes) : 1.0f;
+    }
     v.sheen_roughness = fmaxf(l->sheen_roughness, SHEEN_LEAST);
 
     float left = 1.0f;

@@ -23,7 +23,8 @@ struct rnd_surface {
     bool front;               /* hit from the outside: the side of the triangle's own normal */
     vec3s base;
     float metallic, alpha;    /* GGX alpha: roughness squared */
-    struct rnd_layers layers; /* set for RND_RICH alone */
+    struct rnd_layers layers; /* set for RND_RICH alone, as what follows */
+    bool pane;
 };
 
 /* What a ray hit. */

@@ -1,16 +1,18 @@
-/* Coverage: rays pass where a masked or blended material is not. Embree asks at every hit of such a mesh, and
- * of no other: a scene without them pays nothing.
+/* Coverage: rays pass where a masked or blended material is not, and panes of glass. Embree asks at every hit
+ * of such a mesh, and of no other: a scene without them pays nothing.
  *
- * A blended hit counts with the probability of its coverage. The coin is a hash of the ray and the triangle,
- * so that nothing is remembered: the same ray meets the same surface however often and in whatever order
- * Embree asks.
+ * A blended hit counts with the probability of its coverage, and a pane's with that of light not to pass. The
+ * coin is a hash of the ray and the triangle, so that nothing is remembered: the same ray meets the same
+ * surface however often and in whatever order Embree asks.
  */
+#include "path/glass.h"
 #include "scene/scene.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 struct rnd_alpha {
+    const struct rnd_scene *scene;
     const struct rnd_mesh *mesh; /* NULL: it is there everywhere */
     const struct rnd_material *material;
     const struct rnd_texture *texture;
@@ -51,7 +53,16 @@ static uint32_t mix(uint32_t hash, uint32_t value)
 
 /* Embree's names for the parts of a packet of N are C++; their layout is documented: a row of N each (struct
  * RTCRayNp and RTCHitNp list them in order). */
-enum { RAY_ORG_X = 0, RAY_DIR_X = 4, HIT_U = 3, HIT_V, HIT_TRIANGLE, HIT_GEOMETRY, HIT_INSTANCE };
+enum {
+    RAY_ORG_X = 0,
+    RAY_DIR_X = 4,
+    HIT_NORMAL_X = 0,
+    HIT_U = 3,
+    HIT_V,
+    HIT_TRIANGLE,
+    HIT_GEOMETRY,
+    HIT_INSTANCE
+};
 
 /* In [0,1), of the i-th ray and what it hits. */
 static float coin(const struct RTCFilterFunctionNArguments *args, unsigned i)
@@ -66,7 +77,7 @@ static float coin(const struct RTCFilterFunctionNArguments *args, unsigned i)
 }
 
 /* Of rays that meet and rays that are stopped alike. */
-static void filter(const struct RTCFilterFunctionNArguments *args)
+static void coverage_filter(const struct RTCFilterFunctionNArguments *args)
 {
     const struct rnd_alpha *alpha = args->geometryUserPtr;
     const struct rnd_material *material = alpha->material;
@@ -80,6 +91,35 @@ static void filter(const struct RTCFilterFunctionNArguments *args)
         const bool hits =
             material->alpha_mode == RND_MASK ? there >= material->alpha_cutoff : coin(args, i) < there;
         if (!hits) args->valid[i] = 0;
+    }
+}
+
+/* Between the i-th ray and what it hits. Both are in the mesh's coordinates, where their product is what it
+ * is in the world, and their lengths are not. */
+static float cosine(const struct RTCFilterFunctionNArguments *args, const struct rnd_scene *scene, unsigned i)
+{
+    const size_t n = args->N;
+    const float *ray = (const float *)args->ray + i, *hit = (const float *)args->hit + i;
+    vec3s direction = {{ray[RAY_DIR_X * n], ray[(RAY_DIR_X + 1) * n], ray[(RAY_DIR_X + 2) * n]}},
+          normal = {{hit[HIT_NORMAL_X * n], hit[(HIT_NORMAL_X + 1) * n], hit[(HIT_NORMAL_X + 2) * n]}};
+    const float product = fabsf(glms_vec3_dot(direction, normal));
+    const uint32_t instance = ((const uint32_t *)args->hit)[HIT_INSTANCE * n + i];
+    if (instance != RTC_INVALID_GEOMETRY_ID) {
+        const struct rnd_instance *seen = &scene->instance[instance - scene->mesh_count];
+        direction = rnd_instance_direction(seen, direction);
+        normal = rnd_instance_normal(seen, normal);
+    }
+    return product / (glms_vec3_norm(direction) * glms_vec3_norm(normal));
+}
+
+static void pane_filter(const struct RTCFilterFunctionNArguments *args)
+{
+    const struct rnd_alpha *alpha = args->geometryUserPtr;
+    for (unsigned i = 0; i < args->N; i++) {
+        float passes;
+        if (args->valid[i] == 0) continue;
+        rnd_pane_reflects(alpha->material, cosine(args, alpha->scene, i), &passes);
+        if (coin(args, i) < passes) args->valid[i] = 0;
     }
 }
 
@@ -115,11 +155,13 @@ bool rnd_alpha_build(struct rnd_scene *scene)
     for (uint32_t i = 0; ok && i < scene->mesh_count; i++) {
         const struct rnd_mesh *mesh = &scene->mesh[i];
         const struct rnd_material *material = &scene->material[mesh->material];
+        if (rnd_is_pane(mesh, material))
+            scene->alpha[i] = (struct rnd_alpha){.scene = scene, .mesh = mesh, .material = material};
         if (material->alpha_mode == RND_OPAQUE) continue;
         const float whole = material->alpha_mode == RND_MASK ? material->alpha_cutoff : 1.0f;
         if (material->alpha >= whole && !texture[mesh->material] && !mesh->colour) continue;
-        scene->alpha[i] =
-            (struct rnd_alpha){.mesh = mesh, .material = material, .texture = texture[mesh->material]};
+        scene->alpha[i] = (struct rnd_alpha){
+            .scene = scene, .mesh = mesh, .material = material, .texture = texture[mesh->material]};
     }
     free(texture);
     return ok;
@@ -127,8 +169,11 @@ bool rnd_alpha_build(struct rnd_scene *scene)
 
 void rnd_alpha_attach(const struct rnd_scene *scene, uint32_t mesh, RTCGeometry geometry)
 {
-    if (!scene->alpha[mesh].mesh) return;
-    rtcSetGeometryUserData(geometry, &scene->alpha[mesh]);
-    rtcSetGeometryIntersectFilterFunction(geometry, filter);
-    rtcSetGeometryOccludedFilterFunction(geometry, filter);
+    struct rnd_alpha *alpha = &scene->alpha[mesh];
+    if (!alpha->mesh) return;
+    const RTCFilterFunctionN passes =
+        rnd_is_pane(alpha->mesh, alpha->material) ? pane_filter : coverage_filter;
+    rtcSetGeometryUserData(geometry, alpha);
+    rtcSetGeometryIntersectFilterFunction(geometry, passes);
+    rtcSetGeometryOccludedFilterFunction(geometry, passes);
 }

@@ -1,6 +1,7 @@
 /* What materials of all formats share: the default, reflectance, and the stage of the integrator they need.
  */
 #include "scene/material.h"
+#include "path/ggx.h"
 #include "path/glass.h"
 
 #include <stdlib.h>
@@ -37,6 +38,18 @@ static bool is_plain(const struct rnd_map *map)
     return map->texture < 0 || map->uv_set == 0;
 }
 
+/* What passes a pane keeps its colour, and all that it passes is known without a look at the surface. */
+static bool is_pane(const struct rnd_material *m)
+{
+    for (int use = 0; use < RND_MAPS; use++)
+        if (m->map[use].texture >= 0) return false;
+    return m->thin && !m->unlit && m->transmission == 1.0f && m->metallic == 0.0f &&
+           m->alpha_mode == RND_OPAQUE && rnd_alpha(m->roughness) <= RND_MIN_ALPHA &&
+           m->base.x == m->base.y && m->base.y == m->base.z && m->clearcoat == 0.0f &&
+           glms_vec3_max(m->sheen_colour) == 0.0f && glms_vec3_max(m->emission) == 0.0f &&
+           glms_vec3_eqv(m->specular_colour, glms_vec3_one());
+}
+
 void rnd_material_set_kind(struct rnd_material *m)
 {
     bool rich = m->unlit || m->transmission > 0.0f || m->clearcoat > 0.0f ||
@@ -54,6 +67,7 @@ void rnd_material_set_kind(struct rnd_material *m)
                          m->map[RND_MAP_METAL_ROUGH].texture < 0 && m->map[RND_MAP_NORMAL].texture < 0;
     m->f0 = powf((m->ior - 1.0f) / (m->ior + 1.0f), 2.0f) * m->specular;
     m->kind = rich ? RND_RICH : lambert ? RND_DIFFUSE : RND_METAL_ROUGH;
+    m->pane = is_pane(m);
 }
 
 /* Materials often share an index and a roughness. */

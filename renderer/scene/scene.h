@@ -65,6 +65,7 @@ struct rnd_material {
     vec3s specular_colour;
     float transmission;
     bool thin;                     /* transmits without bending: no KHR_materials_volume thickness */
+    bool pane;                     /* clear, thin and smooth all over: light goes straight through */
     const struct rnd_glass *glass; /* the scene's; NULL if it is not rough or bends nothing */
     vec3s absorption;              /* 1/m, inside: KHR_materials_volume */
     float clearcoat, clearcoat_roughness;
@@ -171,6 +172,13 @@ static inline vec3s rnd_instance_point(const struct rnd_instance *instance, vec3
     const float *m = instance->to_world;
     return (vec3s){{m[0] * p.x + m[3] * p.y + m[6] * p.z + m[9], m[1] * p.x + m[4] * p.y + m[7] * p.z + m[10],
                     m[2] * p.x + m[5] * p.y + m[8] * p.z + m[11]}};
+}
+
+static inline vec3s rnd_instance_direction(const struct rnd_instance *instance, vec3s d)
+{
+    const float *m = instance->to_world;
+    return (vec3s){{m[0] * d.x + m[3] * d.y + m[6] * d.z, m[1] * d.x + m[4] * d.y + m[7] * d.z,
+                    m[2] * d.x + m[5] * d.y + m[8] * d.z}};
 }
 
 static inline vec3s rnd_instance_normal(const struct rnd_instance *instance, vec3s n)

@@ -80,6 +80,13 @@ static const struct feature feature[] = {
                        false},
               .parts = ROOM_BALLS},
      .unused = true, .hidden = true},
+    {"clear panes, balls", "metal and roughness",
+     .room = {.plain = GLOSSY "}",
+              .look = {"{'pbrMetallicRoughness':{'metallicFactor':0,'roughnessFactor':0},'extensions':{"
+                       "'KHR_materials_transmission':{'transmissionFactor':1}}}",
+                       false},
+              .parts = ROOM_BALLS},
+     .unused = true, .hidden = true},
     {"emission, 12 triangles", "diffuse",
      .room = {.plain = DIFFUSE, .look = {GLOWING, false}, .parts = ROOM_PANEL}, .unused = true},
     {"emission, 10000 triangles", "12 triangles",
