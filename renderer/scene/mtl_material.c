@@ -124,8 +124,8 @@ static bool read_matt(struct reader *r, bool coat, vec3s ks, float ns, struct rn
     return read_map(r, aiTextureType_SPECULAR, RND_MAP_SPECULAR_COLOUR, true, to);
 }
 
-/* illum 3, 5 and 8 are mirrors, 4, 6, 7 and 9 glass, 2 a glossy coat when Ks is not black: reflectance Ks at
- * normal incidence, as wide as Phong's exponent Ns. */
+/* illum 3, 5 and 8 are mirrors, 6 and 7 glass that refracts, 4 and 9 glass that does not, 2 a glossy coat
+ * when Ks is not black: reflectance Ks at normal incidence, as wide as Phong's exponent Ns. */
 bool rnd_mtl_material(struct rnd_scene *scene, const struct aiScene *file, const struct aiMaterial *from,
                       const char *path, const char *directory, struct rnd_material *to,
                       char out_error[RND_ERROR_SIZE])
@@ -160,7 +160,7 @@ bool rnd_mtl_material(struct rnd_scene *scene, const struct aiScene *file, const
     if (glass) {
         to->base = each_side(tf);
         to->transmission = to->specular = 1.0f;
-        to->thin = false;
+        to->thin = illum == 4 || illum == 9;
         to->roughness = 0.0f;
         to->ior = ni;
     } else if (mirror && shiny) {

@@ -361,7 +361,11 @@ static void mtl(void **state)
     assert_int_equal(m->alpha_mode, RND_OPAQUE);
     NEAR(m->transmission, 1), NEAR(m->ior, 1.4), NEAR(m->roughness, 0), NEAR(m->base.x, 0.5),
         NEAR(m->base.z, 0.9);
-    assert_false(m->thin);
+    assert_false(m->thin || m->pane);
+    rnd_scene_destroy(scene);
+
+    scene = with_mtl("newmtl m\nKd 1 1 1\nNi 1.5\nillum 4\n"); /* "glass on", without refraction */
+    assert_true(only(scene)->thin && only(scene)->pane);
     rnd_scene_destroy(scene);
 
     static const char *const bad[] = {"newmtl m\nKd -1 0 0\n", "newmtl m\nKe nan 0 0\n", "newmtl m\nd 2\n",
