@@ -1,7 +1,10 @@
 /* fovea-bench: measurements, by name. */
 #include "bench.h"
 
+#include <assert.h>
+#include <float.h>
 #include <getopt.h>
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,40 +24,83 @@ static const struct {
     {"throughput", "paths and rays a second, against Embree alone with the same rays", bench_throughput},
 };
 
-bool bench_scene_option(int c, struct rnd_scene_options *scene, bool *out_ok)
+/* --- options --- */
+
+static bool take_number(double value, int i, const struct bench_option *option)
 {
-    switch (c) {
-    case 's':
-        scene->path = optarg;
+    if (!(value >= option->least && value <= option->most)) return false;
+    if (option->kind == BENCH_INT && value != floor(value)) return false;
+    if (option->kind == BENCH_INT)
+        ((int *)option->to)[i] = (int)value;
+    else if (option->kind == BENCH_FLOAT)
+        ((float *)option->to)[i] = (float)value;
+    else
+        ((double *)option->to)[i] = value;
+    return true;
+}
+
+static bool take(const char *text, const struct bench_option *option)
+{
+    if (option->kind == BENCH_TEXT) {
+        *(const char **)option->to = text;
         return true;
-    case 'e':
-        scene->env_path = optarg;
-        return true;
-    case 'u':
-        scene->has_sun = *out_ok = sscanf(optarg, "%f,%f,%f,%f", &scene->sun[0], &scene->sun[1],
-                                          &scene->sun[2], &scene->sun[3]) == 4;
-        return true;
-    case 'y':
-        scene->has_eye = *out_ok =
-            sscanf(optarg, "%f,%f,%f", &scene->eye[0], &scene->eye[1], &scene->eye[2]) == 3;
-        return true;
-    default:
+    }
+    for (int i = 0; i < option->numbers; i++) {
+        char *end;
+        const double value = strtod(text, &end);
+        if (end == text || *end != (i + 1 < option->numbers ? ',' : '\0')) return false;
+        if (!take_number(value, i, option)) return false;
+        text = end + 1;
+    }
+    return true;
+}
+
+bool bench_options(int count, char **arguments, const char *help, const struct bench_option *list,
+                   struct rnd_scene_options *scene, bool *json)
+{
+    enum { SCENE, ENV, SUN, EYE, SCENE_OPTIONS, MOST = 16 };
+    struct bench_option all[MOST];
+    struct option option[MOST + 3] = {{"help", no_argument, NULL, 'h'}, {"json", no_argument, NULL, 'j'}};
+    int n = 0;
+    if (scene) {
+        all[SCENE] = (struct bench_option){"scene", BENCH_TEXT, &scene->path, 1, 0, 0};
+        all[ENV] = (struct bench_option){"env", BENCH_TEXT, &scene->env_path, 1, 0, 0};
+        all[SUN] = (struct bench_option){"sun", BENCH_FLOAT, scene->sun, 4, -FLT_MAX, FLT_MAX};
+        all[EYE] = (struct bench_option){"eye", BENCH_FLOAT, scene->eye, 3, -FLT_MAX, FLT_MAX};
+        n = SCENE_OPTIONS;
+    }
+    for (; list->name && n < MOST; list++) all[n++] = *list;
+    assert(!list->name);
+    for (int i = 0; i < n; i++) option[i + 2] = (struct option){all[i].name, required_argument, NULL, 0};
+    for (int c, i; (c = getopt_long(count, arguments, "", option, &i)) != -1;) {
+        if (c == 'h') {
+            fputs(help, stdout);
+            exit(0);
+        }
+        if (c == '?') return false; /* getopt has said why */
+        if (c == 'j') {
+            *json = true;
+            continue;
+        }
+        if (!take(optarg, &all[i - 2])) {
+            fprintf(stderr, "fovea-bench: --%s cannot be \"%s\"\n", option[i].name, optarg);
+            return false;
+        }
+        if (scene && i - 2 == SUN) scene->has_sun = true;
+        if (scene && i - 2 == EYE) scene->has_eye = true;
+    }
+    if (optind < count) {
+        fprintf(stderr, "fovea-bench: \"%s\" is no option\n", arguments[optind]);
         return false;
     }
+    if (scene && !scene->path) {
+        scene->path = FIXTURES "/hall.gltf";
+        if (!scene->env_path) scene->env_path = FIXTURES "/sky.hdr";
+    }
+    return true;
 }
 
-void bench_scene_default(struct rnd_scene_options *scene)
-{
-    if (scene->path) return;
-    scene->path = FIXTURES "/hall.gltf";
-    if (!scene->env_path) scene->env_path = FIXTURES "/sky.hdr";
-}
-
-bool bench_refuse(void)
-{
-    fprintf(stderr, "fovea-bench: cannot use \"%s\" there\n", optarg);
-    return false;
-}
+/* --- figures and charts --- */
 
 static int ascending(const void *a, const void *b)
 {

@@ -15,23 +15,25 @@ int bench_sampling(int count, char **arguments);
 int bench_startup(int count, char **arguments);
 int bench_throughput(int count, char **arguments);
 
-/* Options by which every measurement that renders takes its scene; for getopt_long, and their help. */
-#define BENCH_SCENE_OPTIONS                                                                                  \
-    {"scene", 1, NULL, 's'}, {"env", 1, NULL, 'e'}, {"sun", 1, NULL, 'u'},                                   \
-    {                                                                                                        \
-        "eye", 1, NULL, 'y'                                                                                  \
-    }
+/* An option that takes numbers, with commas between them, or a text. */
+struct bench_option {
+    const char *name; /* without its dashes; NULL ends a list */
+    enum { BENCH_INT, BENCH_FLOAT, BENCH_DOUBLE, BENCH_TEXT } kind;
+    void *to;
+    int numbers;
+    double least, most; /* of each number */
+};
+
+/* Takes arguments: the options of the list, of --json, of --help, and, unless scene is NULL, of
+ * BENCH_SCENE_HELP; without --scene it is the shipped hall. What is not given stays as it is. False after a
+ * line on stderr; ends the program after help was asked for. */
+bool bench_options(int count, char **arguments, const char *help, const struct bench_option *list,
+                   struct rnd_scene_options *scene, bool *json);
 #define BENCH_SCENE_HELP                                                                                     \
     "  --scene FILE       default: the shipped hall, with its sky\n"                                         \
     "  --env FILE         environment map\n"                                                                 \
     "  --sun A,E,S,D      azimuth, elevation, irradiance, angular diameter (deg)\n"                          \
     "  --eye X,Y,Z        m\n"
-/* Take an option of them, with getopt's optarg; false if c is none. *out_ok: it could be used. */
-bool bench_scene_option(int c, struct rnd_scene_options *scene, bool *out_ok);
-/* Without --scene: the shipped hall. */
-void bench_scene_default(struct rnd_scene_options *scene);
-/* After an option that could not be used: a line on stderr; false. */
-bool bench_refuse(void);
 
 /* Median of count values, at most 99. */
 double bench_median(const double *values, int count);

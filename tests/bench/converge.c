@@ -7,8 +7,8 @@
 #include "bench.h"
 #include "renderer.h"
 
-#include <getopt.h>
 #include <jansson.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,7 +21,7 @@ enum { MAX_POINTS = 256, MAX_WAYS = 16, MAX_REPEATS = 31, BATCH = 4096 };
 
 struct setup {
     struct rnd_scene_options scene;
-    float azimuth_deg, elevation_deg;
+    float gaze_deg[2]; /* azimuth, elevation */
     int width, bounces, repeats, reference_spp;
     double target, limit_seconds;
     bool json;
@@ -57,70 +57,31 @@ static const char help[] =
 
 static bool parse(int count, char **arguments, struct setup *out)
 {
-    static const struct option option[] = {
-        BENCH_SCENE_OPTIONS,       {"gaze", 1, NULL, 'g'},      {"width", 1, NULL, 'w'},
-        {"bounces", 1, NULL, 'b'}, {"target", 1, NULL, 't'},    {"repeats", 1, NULL, 'r'},
-        {"limit", 1, NULL, 'l'},   {"reference", 1, NULL, 'n'}, {"plot", 1, NULL, 'p'},
-        {"json", 0, NULL, 'j'},    {"help", 0, NULL, 'h'},      {0},
+    const struct bench_option option[] = {
+        {"gaze", BENCH_FLOAT, out->gaze_deg, 2, -360, 360},
+        {"width", BENCH_INT, &out->width, 1, 1, INT_MAX},
+        {"bounces", BENCH_INT, &out->bounces, 1, 0, INT_MAX},
+        {"target", BENCH_DOUBLE, &out->target, 1, 1e-6, 1e6},
+        {"repeats", BENCH_INT, &out->repeats, 1, 1, MAX_REPEATS},
+        {"limit", BENCH_DOUBLE, &out->limit_seconds, 1, 0, 1e9},
+        {"reference", BENCH_INT, &out->reference_spp, 1, 1, INT_MAX},
+        {"plot", BENCH_TEXT, &out->plot, 1, 0, 0},
+        {0},
     };
-    *out = (struct setup){.azimuth_deg = 30,
-                          .elevation_deg = -10,
+    *out = (struct setup){.gaze_deg = {30, -10},
                           .width = 1024,
                           .repeats = 3,
                           .reference_spp = 2000,
                           .target = 0.5,
                           .limit_seconds = 600};
-    for (int c; (c = getopt_long(count, arguments, "", option, NULL)) != -1;) {
-        bool ok = true;
-        if (bench_scene_option(c, &out->scene, &ok)) {
-            if (!ok) return bench_refuse();
-            continue;
-        }
-        switch (c) {
-        case 'g':
-            ok = sscanf(optarg, "%f,%f", &out->azimuth_deg, &out->elevation_deg) == 2;
-            break;
-        case 'w':
-            ok = sscanf(optarg, "%d", &out->width) == 1;
-            break;
-        case 'b':
-            ok = sscanf(optarg, "%d", &out->bounces) == 1 && out->bounces >= 0;
-            break;
-        case 't':
-            ok = sscanf(optarg, "%lf", &out->target) == 1 && out->target > 0.0;
-            break;
-        case 'r':
-            ok = sscanf(optarg, "%d", &out->repeats) == 1 && out->repeats > 0 && out->repeats <= MAX_REPEATS;
-            break;
-        case 'l':
-            ok = sscanf(optarg, "%lf", &out->limit_seconds) == 1;
-            break;
-        case 'n':
-            ok = sscanf(optarg, "%d", &out->reference_spp) == 1 && out->reference_spp > 0;
-            break;
-        case 'p':
-            out->plot = optarg;
-            break;
-        case 'j':
-            out->json = true;
-            break;
-        case 'h':
-            fputs(help, stdout);
-            exit(0);
-        default:
-            return false;
-        }
-        if (!ok) return bench_refuse();
-    }
-    bench_scene_default(&out->scene);
-    return true;
+    return bench_options(count, arguments, help, option, &out->scene, &out->json);
 }
 
 /* The gaze, in the middle of a viewport of that field of view. */
 static struct rnd_aim aim_at(const struct setup *setup, float fov)
 {
     struct rnd_aim aim = {.fov = {fov, fov}};
-    const float a = -0.5f * RAD(setup->azimuth_deg), e = 0.5f * RAD(setup->elevation_deg);
+    const float a = -0.5f * RAD(setup->gaze_deg[0]), e = 0.5f * RAD(setup->gaze_deg[1]);
     rnd_direction(2.0f * -a, 2.0f * e, aim.gaze);
     /* yaw about Y, then pitch about the view's X */
     aim.view[0] = cosf(a) * sinf(e);
@@ -163,7 +124,7 @@ static float *make_reference(const struct rnd_scene *scene, const struct setup *
     float *film = malloc(pixels * 3 * sizeof *film), *error = malloc(pixels * sizeof *error);
     if (!render || !film || !error) exit(1);
     const double area =
-        pow(setup->width / 360.0 * (2.0 * DISC_DEG + 1.0), 2.0) / cos(RAD(setup->elevation_deg));
+        pow(setup->width / 360.0 * (2.0 * DISC_DEG + 1.0), 2.0) / cos(RAD(setup->gaze_deg[1]));
     const uint64_t paths = (uint64_t)(area * setup->reference_spp);
     struct rnd_batch batch;
     for (uint64_t done = 0; done < paths; done += BATCH) {
@@ -281,8 +242,8 @@ static void print_json(const struct setup *setup, const struct way *ways, int co
         json_array_append_new(list, row);
     }
     json_t *root = json_pack("{s:s,s:f,s:f,s:f,s:i,s:i,s:f,s:o}", "scene", setup->scene.path, "target",
-                             setup->target, "azimuth_deg", setup->azimuth_deg, "elevation_deg",
-                             setup->elevation_deg, "width", setup->width, "repeats", setup->repeats,
+                             setup->target, "azimuth_deg", setup->gaze_deg[0], "elevation_deg",
+                             setup->gaze_deg[1], "width", setup->width, "repeats", setup->repeats,
                              "reference_relative_error", reference_error, "distributions", list);
     json_dumpf(root, stdout, JSON_INDENT(1) | JSON_REAL_PRECISION(6));
     putchar('\n');
@@ -292,7 +253,7 @@ static void print_json(const struct setup *setup, const struct way *ways, int co
 static void print_table(const struct setup *setup, const struct way *ways, int count, double reference_error)
 {
     printf("%s, gaze %g right %g up, film %d x %d, medians of %d; error of the reference itself %.3f\n",
-           setup->scene.path, setup->azimuth_deg, setup->elevation_deg, setup->width, setup->width / 2,
+           setup->scene.path, setup->gaze_deg[0], setup->gaze_deg[1], setup->width, setup->width / 2,
            setup->repeats, reference_error);
     printf("%-10s %10s %12s %22s %14s\n", "placed by", "Mpaths/s", "in the disc", "s to relative RMSE",
            "slower than fv");

@@ -6,8 +6,8 @@
 #include "renderer.h"
 #include "room.h"
 
-#include <getopt.h>
 #include <jansson.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -136,30 +136,14 @@ static const char help[] =
 
 static bool parse(int count, char **arguments, struct setup *out)
 {
-    static const struct option option[] = {
-        {"paths", 1, NULL, 'p'}, {"turns", 1, NULL, 't'}, {"bounces", 1, NULL, 'b'},
-        {"json", 0, NULL, 'j'},  {"help", 0, NULL, 'h'},  {0},
+    const struct bench_option option[] = {
+        {"paths", BENCH_INT, &out->paths, 1, 1, INT_MAX},
+        {"turns", BENCH_INT, &out->turns, 1, 1, MAX_TURNS},
+        {"bounces", BENCH_INT, &out->bounces, 1, 0, INT_MAX},
+        {0},
     };
     *out = (struct setup){.paths = 16384, .turns = 15, .bounces = 4};
-    for (int c; (c = getopt_long(count, arguments, "", option, NULL)) != -1;) {
-        bool ok = true;
-        if (c == 'p') {
-            ok = sscanf(optarg, "%d", &out->paths) == 1 && out->paths >= 1;
-        } else if (c == 't') {
-            ok = sscanf(optarg, "%d", &out->turns) == 1 && out->turns >= 1 && out->turns <= MAX_TURNS;
-        } else if (c == 'b') {
-            ok = sscanf(optarg, "%d", &out->bounces) == 1 && out->bounces >= 0;
-        } else if (c == 'j') {
-            out->json = true;
-        } else if (c == 'h') {
-            fputs(help, stdout);
-            exit(0);
-        } else {
-            return false;
-        }
-        if (!ok) return bench_refuse();
-    }
-    return true;
+    return bench_options(count, arguments, help, option, NULL, &out->json);
 }
 
 /* All paths once more, from an empty film on: the same every time. */

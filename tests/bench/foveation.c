@@ -9,8 +9,8 @@
 #include "source/observer.h"
 #include "tracker.h"
 
-#include <getopt.h>
 #include <jansson.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -34,7 +34,7 @@ enum { CHART_BINS = (CHART_TO_MS - CHART_FROM_MS) / CHART_STEP_MS };
 static const double chart_amplitude_deg = 5;
 
 struct setup {
-    uint64_t seed;
+    int seed;
     double seconds, noise_deg;
     bool json;
     const char *plot;
@@ -84,41 +84,15 @@ static const char help[] =
 
 static bool parse(int count, char **arguments, struct setup *out)
 {
-    static const struct option option[] = {{"seconds", 1, NULL, 's'},
-                                           {"noise", 1, NULL, 'n'},
-                                           {"seed", 1, NULL, 'r'},
-                                           {"plot", 1, NULL, 'p'},
-                                           {"json", 0, NULL, 'j'},
-                                           {"help", 0, NULL, 'h'},
-                                           {0}};
-    unsigned long long seed = 1;
-    *out = (struct setup){.seconds = 600, .noise_deg = 0.3};
-    for (int c; (c = getopt_long(count, arguments, "", option, NULL)) != -1;) {
-        bool ok = true;
-        if (c == 's')
-            ok = sscanf(optarg, "%lf", &out->seconds) == 1 && out->seconds >= 10 && out->seconds <= 36000;
-        else if (c == 'n')
-            ok = sscanf(optarg, "%lf", &out->noise_deg) == 1 && out->noise_deg >= 0 && out->noise_deg <= 5;
-        else if (c == 'r')
-            ok = sscanf(optarg, "%llu", &seed) == 1;
-        else if (c == 'p')
-            out->plot = optarg;
-        else if (c == 'j')
-            out->json = true;
-        else if (c == 'h') {
-            fputs(help, stdout);
-            exit(0);
-        } else
-            return false;
-        if (!ok) {
-            fprintf(stderr, "fovea-bench: '%s' makes no sense here\n%s", optarg, help);
-            return false;
-        }
-    }
-    out->seed = seed;
-    if (optind == count) return true;
-    fprintf(stderr, "fovea-bench: '%s' is no option\n%s", arguments[optind], help);
-    return false;
+    const struct bench_option option[] = {
+        {"seconds", BENCH_DOUBLE, &out->seconds, 1, 10, 36000},
+        {"noise", BENCH_DOUBLE, &out->noise_deg, 1, 0, 5},
+        {"seed", BENCH_INT, &out->seed, 1, 0, INT_MAX},
+        {"plot", BENCH_TEXT, &out->plot, 1, 0, 0},
+        {0},
+    };
+    *out = (struct setup){.seed = 1, .seconds = 600, .noise_deg = 0.3};
+    return bench_options(count, arguments, help, option, NULL, &out->json);
 }
 
 /* --- the observer --------------------------------------------------------------------------------------- */
@@ -161,7 +135,7 @@ static bool observe(const struct setup *setup, struct world *world)
     if (!world->tick || !world->saccade || !world->sample) return false;
     world->saccade[0] = (struct saccade){.onset_s = -1, .end_s = -1};
     struct trk_observer observer;
-    trk_observer_init_with(&observer, setup->seed, RATE_HZ * OVERSAMPLE, setup->noise_deg, 0);
+    trk_observer_init_with(&observer, (uint64_t)setup->seed, RATE_HZ * OVERSAMPLE, setup->noise_deg, 0);
     for (; world->ticks < ticks; world->ticks++) {
         struct trk_sample sample;
         struct trk_truth truth;

@@ -3,7 +3,6 @@
 #include "bench.h"
 #include "sampler.h"
 
-#include <getopt.h>
 #include <jansson.h>
 #include <math.h>
 #include <stdint.h>
@@ -55,28 +54,6 @@ static const char help[] = "usage: fovea-bench sampling [OPTION...]\n"
                            "seed and index) and with independent random numbers.\n"
                            "  --seeds N          root mean square over so many; default 128\n"
                            "  --json             one JSON object instead of the table\n";
-
-static bool parse(int count, char **arguments, int *out_seeds, bool *out_json)
-{
-    static const struct option option[] = {
-        {"seeds", 1, NULL, 's'}, {"json", 0, NULL, 'j'}, {"help", 0, NULL, 'h'}, {0}};
-    *out_seeds = 128;
-    *out_json = false;
-    for (int c; (c = getopt_long(count, arguments, "", option, NULL)) != -1;) {
-        if (c == 's') {
-            if (sscanf(optarg, "%d", out_seeds) != 1 || *out_seeds < 1 || *out_seeds > 1000000)
-                return bench_refuse();
-        } else if (c == 'j') {
-            *out_json = true;
-        } else if (c == 'h') {
-            fputs(help, stdout);
-            exit(0);
-        } else {
-            return false;
-        }
-    }
-    return true;
-}
 
 /* SplitMix64 (Steele, Lea and Flood 2014), to [0,1). */
 static double next(uint64_t *state)
@@ -147,9 +124,10 @@ static void print_table(int seeds)
 
 int bench_sampling(int count, char **arguments)
 {
-    int seeds;
-    bool json;
-    if (!parse(count, arguments, &seeds, &json)) return 2;
+    int seeds = 128;
+    bool json = false;
+    const struct bench_option option[] = {{"seeds", BENCH_INT, &seeds, 1, 1, 1000000}, {0}};
+    if (!bench_options(count, arguments, help, option, NULL, &json)) return 2;
     (json ? print_json : print_table)(seeds);
     return 0;
 }

@@ -2,8 +2,8 @@
 #include "bench.h"
 #include "renderer.h"
 
-#include <getopt.h>
 #include <jansson.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -33,31 +33,13 @@ static const char help[] =
 
 static bool parse(int count, char **arguments, struct setup *out)
 {
-    static const struct option option[] = {
-        BENCH_SCENE_OPTIONS,    {"width", 1, NULL, 'w'}, {"turns", 1, NULL, 't'},
-        {"json", 0, NULL, 'j'}, {"help", 0, NULL, 'h'},  {0},
+    const struct bench_option option[] = {
+        {"width", BENCH_INT, &out->width, 1, 1, INT_MAX},
+        {"turns", BENCH_INT, &out->turns, 1, 1, MAX_TURNS},
+        {0},
     };
-    *out = (struct setup){.width = 4096, .turns = 5};
-    for (int c; (c = getopt_long(count, arguments, "", option, NULL)) != -1;) {
-        bool ok = true;
-        if (bench_scene_option(c, &out->scene, &ok)) {
-        } else if (c == 'w') {
-            ok = sscanf(optarg, "%d", &out->width) == 1;
-        } else if (c == 't') {
-            ok = sscanf(optarg, "%d", &out->turns) == 1 && out->turns >= 1 && out->turns <= MAX_TURNS;
-        } else if (c == 'j') {
-            out->json = true;
-        } else if (c == 'h') {
-            fputs(help, stdout);
-            exit(0);
-        } else {
-            return false;
-        }
-        if (!ok) return bench_refuse();
-    }
-    bench_scene_default(&out->scene);
-    out->scene.textures_later = true;
-    return true;
+    *out = (struct setup){.scene.textures_later = true, .width = 4096, .turns = 5};
+    return bench_options(count, arguments, help, option, &out->scene, &out->json);
 }
 
 static double seconds(void)

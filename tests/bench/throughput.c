@@ -4,8 +4,8 @@
 #include "bench.h"
 #include "renderer.h"
 
-#include <getopt.h>
 #include <jansson.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -49,42 +49,18 @@ static const char help[] =
 
 static bool parse(int count, char **arguments, struct setup *out)
 {
-    static const struct option option[] = {
-        BENCH_SCENE_OPTIONS,       {"gaze", 1, NULL, 'g'},
-        {"width", 1, NULL, 'w'},   {"bounces", 1, NULL, 'b'},
-        {"batch", 1, NULL, 'n'},   {"turns", 1, NULL, 't'},
-        {"seconds", 1, NULL, 'd'}, {"json", 0, NULL, 'j'},
-        {"help", 0, NULL, 'h'},    {0},
+    const struct bench_option option[] = {
+        {"gaze", BENCH_FLOAT, out->gaze_deg, 2, -360, 360},
+        {"width", BENCH_INT, &out->width, 1, 1, INT_MAX},
+        {"bounces", BENCH_INT, &out->bounces, 1, 0, INT_MAX},
+        {"batch", BENCH_INT, &out->batch, 1, 1, 1 << 20},
+        {"turns", BENCH_INT, &out->turns, 1, 1, MAX_TURNS},
+        {"seconds", BENCH_DOUBLE, &out->seconds, 1, 1e-3, 3600},
+        {0},
     };
     *out = (struct setup){
         .gaze_deg = {30, -10}, .width = 2048, .bounces = 4, .turns = 5, .batch = 4096, .seconds = 1};
-    for (int c; (c = getopt_long(count, arguments, "", option, NULL)) != -1;) {
-        bool ok = true;
-        if (bench_scene_option(c, &out->scene, &ok)) {
-        } else if (c == 'g') {
-            ok = sscanf(optarg, "%f,%f", &out->gaze_deg[0], &out->gaze_deg[1]) == 2;
-        } else if (c == 'w') {
-            ok = sscanf(optarg, "%d", &out->width) == 1;
-        } else if (c == 'b') {
-            ok = sscanf(optarg, "%d", &out->bounces) == 1 && out->bounces >= 0;
-        } else if (c == 'n') {
-            ok = sscanf(optarg, "%d", &out->batch) == 1 && out->batch >= 1 && out->batch <= 1 << 20;
-        } else if (c == 't') {
-            ok = sscanf(optarg, "%d", &out->turns) == 1 && out->turns >= 1 && out->turns <= MAX_TURNS;
-        } else if (c == 'd') {
-            ok = sscanf(optarg, "%lf", &out->seconds) == 1 && out->seconds > 0;
-        } else if (c == 'j') {
-            out->json = true;
-        } else if (c == 'h') {
-            fputs(help, stdout);
-            exit(0);
-        } else {
-            return false;
-        }
-        if (!ok) return bench_refuse();
-    }
-    bench_scene_default(&out->scene);
-    return true;
+    return bench_options(count, arguments, help, option, &out->scene, &out->json);
 }
 
 static struct rnd_render *create(const struct rnd_scene *scene, const struct setup *setup, int way,
