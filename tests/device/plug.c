@@ -3,10 +3,10 @@
  *   plug [ACTION...] -- COMMAND [ARGUMENT...]
  *
  * Actions are done one after another, those before "run" before the program is started. KIND[:HZ] plugs one
- * in (hid, garbage, broken, psvr2; 500 Hz), out:KIND unplugs the last of a kind, wait:SECONDS waits, end
- * sends SIGTERM, and repeat:N does all actions after "run" N times. Then the program's end is awaited, and
- * its exit code is ours. Exit code 99: the program outlived "limit:SECONDS" (60), and was killed. What the
- * first eight devices were asked for is told at the end. */
+ * in (hid, garbage, broken, psvr2; 500 Hz), out:KIND unplugs the last of a kind, wait:SECONDS waits, file:PATH
+ * waits until there is such a file, end sends SIGTERM, and repeat:N does all actions after "run" N times. Then
+ * the program's end is awaited, and its exit code is ours. Exit code 99: the program outlived "limit:SECONDS"
+ * (60), and was killed. What the first eight devices were asked for is told at the end. */
 #include "fake.h"
 
 #include <signal.h>
@@ -95,6 +95,8 @@ static void act(struct plug *plug, const char *action)
 {
     if (strncmp(action, "wait:", 5) == 0)
         rest(plug, atof(action + 5));
+    else if (strncmp(action, "file:", 5) == 0)
+        while (!plug->ended && access(action + 5, F_OK) != 0) rest(plug, 0.01);
     else if (strncmp(action, "out:", 4) == 0)
         take_out(plug, find_kind(action + 4));
     else

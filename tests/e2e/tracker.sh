@@ -18,6 +18,7 @@ set -eu
 daemon=$!
 trap 'kill $daemon' EXIT
 "$2" --wait stats --json >before.json
+touch asked
 tries=0
 until "$2" stats --json >plugged.json; grep -q '"present": true' plugged.json && grep -q '"gaze": "eye tracker' plugged.json; do
     tries=$((tries + 1))
@@ -37,7 +38,7 @@ trap - EXIT
 kill $daemon
 wait $daemon
 END
-umockdev-wrapper "$programs/device_plug" run wait:1 hid:25 wait:50 -- sh clients.sh "$fovead" "$foveactl" >plug.out 2>plug.err ||
+umockdev-wrapper "$programs/device_plug" run file:asked hid:25 wait:50 -- sh clients.sh "$fovead" "$foveactl" >plug.out 2>plug.err ||
     fail "$(cat plug.err daemon.err ./*.json why 2>/dev/null)"
 grep -q 'hall.gaze.*no eye tracker found' before.json || fail "$(cat before.json)"
 grep -q '^fovead: gaze: eye tracker Fovea Test Tracker' daemon.err || fail "not a word on the tracker: $(cat daemon.err)"
