@@ -30,6 +30,7 @@ struct rnd_render {
     uint32_t next_cell;  /* cells of positions drawn so far */
     uint32_t generation; /* restarts so far */
     bool surveyed;       /* the lights, from this eye */
+    struct rnd_light_choice choice;
 
     /* the batch under way */
     uint32_t capacity;         /* of the arrays below, paths */
@@ -43,10 +44,10 @@ struct rnd_render {
     uint32_t *start; /* where each tile's paths begin; tiles + 1 */
 };
 
-/* path/survey.c: how often points should ask each group of lights, by what really arrives of each around the
- * eye. The threads of the pool, workers of them, share the work; the answer is the same with any number. */
+/* path/survey.c: which lights points should ask for, by what really arrives of each around the eye. The
+ * threads of the pool, workers of them, share the work; the answer is the same with any number. */
 void rnd_survey_lights(const struct rnd_scene *scene, const float eye[3], struct rnd_pool *pool, int workers,
-                       float out_choose[RND_LIGHT_GROUPS]);
+                       struct rnd_light_choice *out);
 
 /* path/place.c: draw the positions of paths around aim (drawn: by the render's distribution, else one in
  * every cell of the outline), sort them by tile and number them. */

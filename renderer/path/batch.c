@@ -181,27 +181,21 @@ static bool reserve(struct rnd_render *render, uint32_t paths)
     return ok;
 }
 
-static void choose(struct rnd_render *render, const float probability[RND_LIGHT_GROUPS])
-{
-    for (int i = 0; i < render->workers; i++) rnd_tracer_choose(render->worker[i].tracer, probability);
-}
-
 /* Until the lights have been surveyed, which the first picture does not wait for: every group as often. */
 static void choose_evenly(struct rnd_render *render)
 {
-    const bool *has = render->scene->lights.has;
-    float even[RND_LIGHT_GROUPS], groups = 0.0f;
-    for (int g = 0; g < RND_LIGHT_GROUPS; g++) groups += has[g];
-    for (int g = 0; g < RND_LIGHT_GROUPS; g++) even[g] = has[g] ? 1.0f / groups : 0.0f;
-    choose(render, even);
-    render->surveyed = groups < 2.0f;
+    const struct rnd_lights *lights = &render->scene->lights;
+    struct rnd_light_choice *choice = &render->choice;
+    float groups = 0.0f;
+    for (int g = 0; g < RND_LIGHT_GROUPS; g++) groups += lights->has[g];
+    for (int g = 0; g < RND_LIGHT_GROUPS; g++) choice->group[g] = lights->has[g] ? 1.0f / groups : 0.0f;
+    if (lights->env) choice->env = lights->env->by_weight;
+    render->surveyed = groups < 2.0f && !lights->env;
 }
 
 static void survey(struct rnd_render *render)
 {
-    float found[RND_LIGHT_GROUPS];
-    rnd_survey_lights(render->scene, render->eye, render->pool, render->workers, found);
-    choose(render, found);
+    rnd_survey_lights(render->scene, render->eye, render->pool, render->workers, &render->choice);
     render->surveyed = true;
 }
 
@@ -313,8 +307,8 @@ struct rnd_render *rnd_render_create(const struct rnd_scene *scene, const struct
     render->start = malloc((tiles + 1) * sizeof *render->start);
     bool ok = render->worker && render->pool && render->start;
     for (long i = 0; ok && i < threads; i++)
-        ok = (render->worker[i].tracer = rnd_tracer_create(scene, options->max_bounces, options->firefly,
-                                                           width, render->seed)) != NULL;
+        ok = (render->worker[i].tracer = rnd_tracer_create(scene, &render->choice, options->max_bounces,
+                                                           options->firefly, width, render->seed)) != NULL;
     if (ok &&
         rnd_film_init(&render->film, width, height, options->error_bar > 0.0f ? options->error_bar : 0.05f)) {
         choose_evenly(render);

@@ -7,7 +7,7 @@
 static void choose_groups(struct rnd_tracer *tracer, uint32_t count, uint32_t number[RND_LIGHT_GROUPS],
                           uint32_t *restrict out_group, uint32_t *restrict out_rank)
 {
-    const float *choose = tracer->choose;
+    const float *choose = tracer->choice->group;
     /* Where each group begins in [0, 1), and one over its length. What has no length begins where no number
      * is. */
     float begin[RND_LIGHT_GROUPS], stretch[RND_LIGHT_GROUPS], sum = 0.0f;
@@ -42,23 +42,44 @@ static void choose_groups(struct rnd_tracer *tracer, uint32_t count, uint32_t nu
     }
 }
 
-/* Draw entries of an alias table for the points of a list, by their first two numbers. What one needs of
- * memory is asked for while others are at it: the table, and then what its entries stand for, size bytes each
- * from first on. */
-static void draw_entries(struct rnd_tracer *tracer, const struct rnd_alias *alias, const uint32_t *list,
-                         uint32_t count, const void *first, size_t size, uint32_t *out_entry)
+/* Draw emissive triangles for the points of a list, by their first two numbers. What one needs of memory is
+ * asked for while others are at it: the table, and then the triangles. */
+static void draw_areas(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count, uint32_t *out_area)
 {
+    const struct rnd_lights *lights = &tracer->scene->lights;
+    const struct rnd_alias *alias = &lights->area_alias;
     float(*u)[RND_WAVE] = tracer->number;
     for (uint32_t k = 0; k < count; k++) {
         float part;
-        out_entry[k] = rnd_alias_place(alias, u[1][list[k]], u[0][list[k]], &part);
+        out_area[k] = rnd_alias_place(alias, u[1][list[k]], u[0][list[k]], &part);
         u[0][list[k]] = part;
-        __builtin_prefetch(&alias->entry[out_entry[k]]);
+        __builtin_prefetch(&alias->entry[out_area[k]]);
     }
     for (uint32_t k = 0; k < count; k++) {
-        const struct rnd_alias_entry *entry = &alias->entry[out_entry[k]];
-        if (!(u[0][list[k]] < entry->keep)) out_entry[k] = entry->other;
-        __builtin_prefetch((const char *)first + out_entry[k] * size);
+        const struct rnd_alias_entry *entry = &alias->entry[out_area[k]];
+        if (!(u[0][list[k]] < entry->keep)) out_area[k] = entry->other;
+        __builtin_prefetch(&lights->area[out_area[k]]);
+    }
+}
+
+/* The same of the environment: texels, and the factors on their density. */
+static void draw_texels(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count, uint32_t *out_texel,
+                        float *out_factor)
+{
+    const struct rnd_env *env = tracer->scene->lights.env;
+    const struct rnd_env_choice *choice = &tracer->choice->env;
+    float(*u)[RND_WAVE] = tracer->number;
+    uint32_t *region = tracer->corner[2];
+    for (uint32_t k = 0; k < count; k++) {
+        float part;
+        out_texel[k] = rnd_env_place(env, choice, u[1][list[k]], u[0][list[k]], &region[k], &part);
+        u[0][list[k]] = part;
+        out_factor[k] = choice->factor[region[k]];
+        __builtin_prefetch(&env->entry[out_texel[k]]);
+    }
+    for (uint32_t k = 0; k < count; k++) {
+        out_texel[k] = rnd_env_texel_of(env, region[k], out_texel[k], u[0][list[k]]);
+        __builtin_prefetch(env->texel[out_texel[k]]);
     }
 }
 
@@ -70,8 +91,8 @@ static void choose_env(struct rnd_tracer *tracer, const uint32_t *list, uint32_t
     struct rnd_light_choices *to = &tracer->chosen;
     float(*u)[RND_WAVE] = tracer->number;
     uint32_t *texel = tracer->order, *near = tracer->corner[2]; /* drawn, and its neighbour to look at */
-    draw_entries(tracer, &env->alias, list, count, env->texel, sizeof *env->texel, texel);
-    const float choose = tracer->choose[RND_LIGHT_ENV];
+    draw_texels(tracer, list, count, texel, &to->pdf[first]);
+    const float choose = tracer->choice->group[RND_LIGHT_ENV];
     const uint32_t which = 128 + (uint32_t)tracer->depth;
 #pragma GCC ivdep
     for (size_t k = 0; k < count; k++) {
@@ -82,7 +103,7 @@ static void choose_env(struct rnd_tracer *tracer, const uint32_t *list, uint32_t
         near[k] = rnd_env_texel(env, s, t, a, b);
         const float level = sqrtf(direction.x * direction.x + direction.z * direction.z);
         rnd_put(&to->direction, first + k, direction);
-        to->pdf[first + k] = choose / rnd_larger(level, 1e-6f);
+        to->pdf[first + k] *= choose / rnd_larger(level, 1e-6f);
         to->distance[first + k] = INFINITY;
         to->delta[first + k] = 0;
     }
@@ -99,7 +120,7 @@ static void choose_sun(struct rnd_tracer *tracer, const uint32_t *list, uint32_t
     const struct rnd_sun *sun = lights->sun;
     struct rnd_light_choices *to = &tracer->chosen;
     const uint32_t delta = !(sun->cos_radius < 1.0f);
-    const float pdf = tracer->choose[RND_LIGHT_SUN] * (delta ? 1.0f : rnd_sun_pdf(sun));
+    const float pdf = tracer->choice->group[RND_LIGHT_SUN] * (delta ? 1.0f : rnd_sun_pdf(sun));
     const struct rnd_v3_frame frame = rnd_v3_frame(sun->direction);
     const struct rnd_sun own = *sun; /* known not to change in the loop */
 #pragma GCC ivdep
@@ -120,7 +141,7 @@ static void choose_area(struct rnd_tracer *tracer, const uint32_t *list, uint32_
     struct rnd_light_choices *to = &tracer->chosen;
     struct rnd_areas *areas = &tracer->areas;
     uint32_t *entry = tracer->order;
-    draw_entries(tracer, &lights->area_alias, list, count, lights->area, sizeof *lights->area, entry);
+    draw_areas(tracer, list, count, entry);
     for (uint32_t k = 0; k < count; k++) {
         const struct rnd_area *area = &lights->area[entry[k]];
         rnd_put(&areas->corner, k, area->corner);
@@ -130,7 +151,7 @@ static void choose_area(struct rnd_tracer *tracer, const uint32_t *list, uint32_
         areas->probability[k] = area->probability;
         areas->flags[k] = area->flags;
     }
-    const float choose = tracer->choose[RND_LIGHT_AREA];
+    const float choose = tracer->choice->group[RND_LIGHT_AREA];
 #pragma GCC ivdep
     for (size_t k = 0; k < count; k++) {
         const uint32_t j = list[k];
@@ -172,7 +193,7 @@ static void choose_punctual(struct rnd_tracer *tracer, const uint32_t *list, uin
             continue;
         rnd_put(&to->direction, first + k, light.direction);
         rnd_put(&to->radiance, first + k, light.radiance);
-        to->pdf[first + k] = tracer->choose[RND_LIGHT_PUNCTUAL] * light.pdf;
+        to->pdf[first + k] = tracer->choice->group[RND_LIGHT_PUNCTUAL] * light.pdf;
         to->distance[first + k] = light.distance;
         to->delta[first + k] = light.delta;
     }

@@ -17,9 +17,10 @@ static void add(struct rnd_tracer *tracer, uint32_t id, struct rnd_v3 brought)
 }
 
 /* The environment's texel that each path of a list meets, by its own random neighbour of four, and the one
- * that it falls into. Both are asked of memory. */
+ * that it falls into, with its region. Both are asked of memory. */
 static void sky_texels(struct rnd_tracer *tracer, const struct rnd_env *env, const uint32_t *list,
-                       uint32_t count, uint32_t *restrict out_near, uint32_t *restrict out_in)
+                       uint32_t count, uint32_t *restrict out_near, uint32_t *restrict out_in,
+                       uint32_t *restrict out_region)
 {
     const struct rnd_paths *paths = &tracer->paths[0];
     const uint32_t which = 256 + (uint32_t)tracer->depth;
@@ -31,6 +32,7 @@ static void sky_texels(struct rnd_tracer *tracer, const struct rnd_env *env, con
         rnd_dither(paths->seed[i], paths->index[i], which, &r, &s);
         out_near[k] = rnd_env_texel(env, u, v, r, s);
         out_in[k] = rnd_env_texel(env, u, v, 0.5f, 0.5f);
+        out_region[k] = rnd_env_region(env, u, v);
     }
     for (uint32_t k = 0; k < count; k++) {
         __builtin_prefetch(env->texel[out_near[k]]);
@@ -45,21 +47,23 @@ static void sky(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count)
     const struct rnd_paths *paths = &tracer->paths[0];
     const struct rnd_env *env = lights->env;
     const struct rnd_sun *sun = lights->sun && lights->sun->cos_radius < 1.0f ? lights->sun : NULL;
-    uint32_t *near = tracer->corner[0], *in = tracer->corner[1]; /* not in use yet */
-    if (env) sky_texels(tracer, env, list, count, near, in);
+    uint32_t *near = tracer->corner[0], *in = tracer->corner[1],
+             *region = tracer->corner[2]; /* not in use yet */
+    if (env) sky_texels(tracer, env, list, count, near, in, region);
     for (uint32_t k = 0; k < count; k++) {
         const uint32_t i = list[k];
         const struct rnd_v3 direction = rnd_get(&paths->direction, i);
         struct rnd_v3 radiance = {0, 0, 0};
         if (env) {
-            const float *t = env->texel[near[k]], density = env->texel[in[k]][3];
+            const float *t = env->texel[near[k]],
+                        density = env->texel[in[k]][3] * tracer->choice->env.factor[region[k]];
             const float level = sqrtf(direction.x * direction.x + direction.z * direction.z);
-            const float other = tracer->choose[RND_LIGHT_ENV] * density / rnd_larger(level, 1e-6f);
+            const float other = tracer->choice->group[RND_LIGHT_ENV] * density / rnd_larger(level, 1e-6f);
             const float weight = paths->pdf[i] > 0.0f ? rnd_power_heuristic(paths->pdf[i], other) : 1.0f;
             radiance = rnd_v3_scale(rnd_v3(t[0], t[1], t[2]), weight);
         }
         if (sun && rnd_v3_dot(direction, sun->direction) >= sun->cos_radius) {
-            const float other = tracer->choose[RND_LIGHT_SUN] * rnd_sun_pdf(sun);
+            const float other = tracer->choice->group[RND_LIGHT_SUN] * rnd_sun_pdf(sun);
             const float weight = paths->pdf[i] > 0.0f ? rnd_power_heuristic(paths->pdf[i], other) : 1.0f;
             radiance = rnd_v3_muladd(sun->radiance, weight, radiance);
         }
@@ -441,7 +445,7 @@ void ISA(rnd_emission)(struct rnd_tracer *tracer, uint32_t count)
         const struct rnd_v3 direction = rnd_get(&paths->direction, j);
         float weight = 1.0f;
         if (paths->pdf[j] > 0.0f)
-            weight = rnd_power_heuristic(paths->pdf[j], tracer->choose[RND_LIGHT_AREA] *
+            weight = rnd_power_heuristic(paths->pdf[j], tracer->choice->group[RND_LIGHT_AREA] *
                                                             rnd_area_pdf(area, direction, s->distance[j]));
         const struct rnd_v3 radiance = rnd_v3_scale(rnd_area_emission(scene, area, s->u[j], s->v[j]), weight);
         add(tracer, paths->id[j], rnd_v3_mul(radiance, rnd_get(&paths->throughput, j)));

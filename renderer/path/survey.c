@@ -1,18 +1,30 @@
-/* A look around before the work: how much of each group of lights really arrives.
+/* A look around before the work: how much of each group of lights really arrives, and how much from each
+ * region of the environment.
  *
  * A shading point asks one group for light. The noise is least when each is asked as often as the root mean
  * square of what it then gives (Veach 1997, section 9.2), and that is not its power: most of a sky is hidden
- * from a room. A few thousand paths from the eye ask all groups at every point and see. What they find
- * changes the noise and never the mean.
- */
+ * from a room. The same holds for the regions of the environment, which a room sees through its windows. A
+ * few thousand paths from the eye ask all groups at every point and see. What they find changes the noise and
+ * never the mean. */
 #include "path/shade.h"
 #include "render.h"
 #include "sampler.h"
 
 enum { PATHS = 4096, BOUNCES = 3, SEED = 0x5eed };
 
-/* No group is asked less often than this share of an even choice: the survey may have missed a place. */
-#define LEAST 0.2f
+/* No group is asked less often than this share of an even choice, and no region than this share of the choice
+ * by weight: the survey may have missed a place. */
+#define LEAST_OF_GROUP  0.2f
+#define LEAST_OF_REGION 0.1f
+
+/* What a path found at a step. */
+struct step {
+    float given[RND_LIGHT_GROUPS]; /* luminance that each group gave when asked */
+    /* Of what would come from the environment if it were white: the region that was asked, and the one that
+     * the path then left into; estimates of the same, weighted to be one. */
+    uint32_t asked, left;
+    float arrived, escaped;
+};
 
 static struct RTCRay ray(vec3s origin, vec3s direction, float far)
 {
@@ -26,25 +38,26 @@ static struct RTCRay ray(vec3s origin, vec3s direction, float far)
                            .mask = UINT32_MAX};
 }
 
-/* What a group gives to a surface if it is asked: luminance, weighted as the integrator weights it. */
+/* Luminance that a group gives to a surface if it is asked, weighted as the integrator weights it. *out_light
+ * is what was drawn, if it gives anything. */
 static float ask(const struct rnd_scene *scene, int group, const struct rnd_surface *surface, vec3s wo,
-                 const float u[4])
+                 const float u[4], struct rnd_light_sample *out_light)
 {
-    struct rnd_light_sample light;
     float pdf;
     const vec3s p = surface->position;
-    if (!rnd_light_draw(scene, group, rnd_v3(p.x, p.y, p.z), u, &light)) return 0.0f;
-    const vec3s to = {{light.direction.x, light.direction.y, light.direction.z}},
-                radiance = {{light.radiance.x, light.radiance.y, light.radiance.z}};
+    if (!rnd_light_draw(scene, group, rnd_v3(p.x, p.y, p.z), u, out_light)) return 0.0f;
+    const struct rnd_light_sample *light = out_light;
+    const vec3s to = {{light->direction.x, light->direction.y, light->direction.z}},
+                radiance = {{light->radiance.x, light->radiance.y, light->radiance.z}};
     const vec3s f = glms_vec3_mul(rnd_bsdf(surface, wo, to, &pdf), radiance);
     const float given =
-        rnd_luminance(f.raw) / light.pdf * (light.delta ? 1.0f : rnd_power_heuristic(light.pdf, pdf));
+        rnd_luminance(f.raw) / light->pdf * (light->delta ? 1.0f : rnd_power_heuristic(light->pdf, pdf));
     if (!(given > 0.0f)) return 0.0f;
     struct RTCIntersectContext context;
     const vec3s from = rnd_leave(surface, to);
     struct RTCRay shadow = ray(from, to, INFINITY);
-    if (light.distance < INFINITY) { /* to the very place on it, as shadows go in the integrator */
-        const vec3s rest = glms_vec3_sub(glms_vec3_muladds(to, light.distance, p), from);
+    if (light->distance < INFINITY) { /* to the very place on it, as shadows go in the integrator */
+        const vec3s rest = glms_vec3_sub(glms_vec3_muladds(to, light->distance, p), from);
         shadow = ray(from, glms_vec3_normalize(rest), glms_vec3_norm(rest) * (1.0f - 1e-4f));
     }
     rtcInitIntersectContext(&context);
@@ -52,23 +65,36 @@ static float ask(const struct rnd_scene *scene, int group, const struct rnd_surf
     return shadow.tfar < 0.0f ? 0.0f : given;
 }
 
-static void walk(const struct rnd_scene *scene, const float eye[3], uint32_t index,
-                 float square[RND_LIGHT_GROUPS])
+/* A path left along a direction that was drawn with density pdf (0: the only one), with that throughput. */
+static void leave(const struct rnd_env *env, vec3s direction, float pdf, float throughput, struct step *step)
 {
-    float u[4];
+    float other;
+    rnd_env_radiance(env, rnd_v3(direction.x, direction.y, direction.z), &step->left, &other);
+    step->escaped = throughput * (pdf > 0.0f ? rnd_power_heuristic(pdf, other) : 1.0f);
+}
+
+static void walk(const struct rnd_scene *scene, const float eye[3], uint32_t index, struct step step[BOUNCES])
+{
+    const struct rnd_env *env = scene->lights.env;
+    float u[4], pdf = 0.0f;
     rnd_pair(SEED, 0, index, u);
     vec3s origin = rnd_vec(eye), direction, throughput = glms_vec3_one();
     rnd_direction(2.0f * (float)M_PI * u[0], asinf(2.0f * u[1] - 1.0f), direction.raw);
-    for (uint32_t depth = 0; depth < BOUNCES; depth++) {
+    for (uint32_t depth = 0; depth <= BOUNCES; depth++) {
         struct RTCIntersectContext context;
         struct RTCRayHit hit = {.ray = ray(origin, direction, INFINITY),
                                 .hit = {.geomID = RTC_INVALID_GEOMETRY_ID}};
         rtcInitIntersectContext(&context);
         rtcIntersect1(scene->tree, &context, &hit);
-        if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return;
+        if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
+            if (env && depth > 0) leave(env, direction, pdf, rnd_luminance(throughput.raw), &step[depth - 1]);
+            return;
+        }
+        if (depth == BOUNCES) return;
 
         struct rnd_surface surface;
         struct rnd_bsdf_sample sample;
+        struct rnd_light_sample light;
         uint32_t mesh;
         const struct rnd_instance *instance =
             rnd_resolve_hit(scene, hit.hit.geomID, hit.hit.instID[0], &mesh);
@@ -86,8 +112,12 @@ static void walk(const struct rnd_scene *scene, const float eye[3], uint32_t ind
             if (!scene->lights.has[g]) continue;
             rnd_pair(SEED, 1 + 8 * depth + 2 * (uint32_t)g, index, u);
             rnd_pair(SEED, 2 + 8 * depth + 2 * (uint32_t)g, index, u + 2);
-            const float given = ask(scene, g, &surface, wo, u) * rnd_luminance(throughput.raw);
-            square[g] += given * given;
+            const float given = ask(scene, g, &surface, wo, u, &light) * rnd_luminance(throughput.raw);
+            step[depth].given[g] = given;
+            if (g != RND_LIGHT_ENV || !(given > 0.0f)) continue;
+            const float radiance[3] = {light.radiance.x, light.radiance.y, light.radiance.z};
+            rnd_env_radiance(env, light.direction, &step[depth].asked, &light.pdf);
+            step[depth].arrived = given / rnd_luminance(radiance);
         }
         rnd_pair(SEED, 100 + 2 * depth, index, u);
         rnd_pair(SEED, 101 + 2 * depth, index, u + 2);
@@ -95,6 +125,7 @@ static void walk(const struct rnd_scene *scene, const float eye[3], uint32_t ind
         throughput = glms_vec3_mul(throughput, sample.weight);
         origin = rnd_leave(&surface, sample.wi);
         direction = sample.wi;
+        pdf = sample.delta ? 0.0f : sample.pdf;
     }
 }
 
@@ -102,7 +133,7 @@ struct survey {
     const struct rnd_scene *scene;
     const float *eye;
     int workers;
-    float square[PATHS][RND_LIGHT_GROUPS]; /* of what each path was given; summed in their order, by one */
+    struct step step[PATHS][BOUNCES]; /* summed in their order, by one */
 };
 
 /* One thread's share of the paths. */
@@ -111,24 +142,85 @@ static void walk_share(void *context, int worker)
     struct survey *survey = context;
     const uint32_t first = (uint32_t)(PATHS * worker / survey->workers),
                    end = (uint32_t)(PATHS * (worker + 1) / survey->workers);
-    for (uint32_t i = first; i < end; i++) walk(survey->scene, survey->eye, i, survey->square[i]);
+    for (uint32_t i = first; i < end; i++) walk(survey->scene, survey->eye, i, survey->step[i]);
 }
 
-void rnd_survey_lights(const struct rnd_scene *scene, const float eye[3], struct rnd_pool *pool, int workers,
-                       float out_choose[RND_LIGHT_GROUPS])
+/* --- what was found --- */
+
+/* Solid angle of a region, sr. */
+static double angle_of(const struct rnd_env *env, const struct rnd_env_region *r)
 {
-    struct survey survey = {.scene = scene, .eye = eye, .workers = workers};
-    const bool *has = scene->lights.has;
+    if (r->texels == 0) return 0.0;
+    const double down = M_PI / env->height, rows = (double)r->texels / r->width;
+    return 2.0 * M_PI * r->width / env->width * (cos(down * r->y) - cos(down * (r->y + rows)));
+}
+
+/* Mean of what a region and its eight neighbours give for each steradian: so few paths know no more. */
+static double around(const double sum[RND_ENV_REGIONS], const double angle[RND_ENV_REGIONS], int number)
+{
+    const int column = number % RND_ENV_COLUMNS, row = number / RND_ENV_COLUMNS;
+    double given = 0.0, seen = 0.0;
+    for (int y = row > 0 ? row - 1 : 0; y <= row + 1 && y < RND_ENV_ROWS; y++)
+        for (int dx = -1; dx <= 1; dx++) {
+            const int i = y * RND_ENV_COLUMNS + (column + dx + RND_ENV_COLUMNS) % RND_ENV_COLUMNS;
+            given += sum[i];
+            seen += angle[i];
+        }
+    return seen > 0.0 ? given / seen : 0.0;
+}
+
+/* Regions by their weight, times the root of how much of it arrives. */
+static void choose_regions(const struct survey *survey, struct rnd_env_choice *out)
+{
+    const struct rnd_env *env = survey->scene->lights.env;
+    double sum[RND_ENV_REGIONS] = {0}, angle[RND_ENV_REGIONS], root[RND_ENV_REGIONS], all = 0.0;
+    float probability[RND_ENV_REGIONS];
+    for (int i = 0; i < PATHS; i++)
+        for (int k = 0; k < BOUNCES; k++) {
+            const struct step *step = &survey->step[i][k];
+            sum[step->asked] += (double)step->arrived;
+            sum[step->left] += (double)step->escaped;
+        }
+    for (int i = 0; i < RND_ENV_REGIONS; i++) angle[i] = angle_of(env, &env->region[i]);
+    for (int i = 0; i < RND_ENV_REGIONS; i++)
+        all += root[i] = (double)env->weight[i] * sqrt(around(sum, angle, i));
+    for (int i = 0; i < RND_ENV_REGIONS; i++)
+        probability[i] = LEAST_OF_REGION * env->weight[i] +
+                         (all > 0.0 ? (1.0f - LEAST_OF_REGION) * (float)(root[i] / all) : 0.0f);
+    if (!rnd_env_choose(env, probability, out)) *out = env->by_weight;
+}
+
+static void choose_groups(const struct survey *survey, struct rnd_light_choice *out)
+{
+    const bool *has = survey->scene->lights.has;
     double root[RND_LIGHT_GROUPS] = {0}, sum = 0.0;
     int groups = 0;
-    rnd_pool_run(pool, walk_share, &survey);
     for (int g = 0; g < RND_LIGHT_GROUPS; g++) {
-        for (uint32_t i = 0; i < PATHS; i++) root[g] += (double)survey.square[i][g];
+        for (uint32_t i = 0; i < PATHS; i++) {
+            double path = 0.0;
+            for (int k = 0; k < BOUNCES; k++) {
+                const struct step *step = &survey->step[i][k];
+                const double square = (double)step->given[g] * (double)step->given[g];
+                /* drawn more often, a region gives less each time */
+                path += g == RND_LIGHT_ENV && square > 0.0 ? square / (double)out->env.factor[step->asked]
+                                                           : square;
+            }
+            root[g] += path;
+        }
         sum += root[g] = sqrt(root[g]);
         groups += has[g];
     }
     for (int g = 0; g < RND_LIGHT_GROUPS; g++) {
         const float even = 1.0f / (float)groups, share = sum > 0.0 ? (float)(root[g] / sum) : even;
-        out_choose[g] = has[g] ? LEAST * even + (1.0f - LEAST) * share : 0.0f;
+        out->group[g] = has[g] ? LEAST_OF_GROUP * even + (1.0f - LEAST_OF_GROUP) * share : 0.0f;
     }
+}
+
+void rnd_survey_lights(const struct rnd_scene *scene, const float eye[3], struct rnd_pool *pool, int workers,
+                       struct rnd_light_choice *out)
+{
+    struct survey survey = {.scene = scene, .eye = eye, .workers = workers};
+    rnd_pool_run(pool, walk_share, &survey);
+    if (scene->lights.env) choose_regions(&survey, &out->env);
+    choose_groups(&survey, out);
 }

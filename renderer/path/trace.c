@@ -43,13 +43,14 @@ static const struct stages *best_stages(void)
     return &stages_plain;
 }
 
-struct rnd_tracer *rnd_tracer_create(const struct rnd_scene *scene, int max_bounces, float firefly, int width,
-                                     uint32_t seed)
+struct rnd_tracer *rnd_tracer_create(const struct rnd_scene *scene, const struct rnd_light_choice *choice,
+                                     int max_bounces, float firefly, int width, uint32_t seed)
 {
     struct rnd_tracer *tracer = aligned_alloc(64, (sizeof *tracer + 63) & ~(size_t)63);
     if (!tracer) return NULL;
     memset(tracer, 0, sizeof *tracer);
     tracer->scene = scene;
+    tracer->choice = choice;
     tracer->max_bounces = max_bounces;
     tracer->firefly = firefly > 0.0f ? firefly : INFINITY;
     tracer->width = width;
@@ -68,11 +69,6 @@ void rnd_tracer_destroy(struct rnd_tracer *tracer)
 void rnd_tracer_scene(struct rnd_tracer *tracer, const struct rnd_scene *scene)
 {
     tracer->scene = scene;
-}
-
-void rnd_tracer_choose(struct rnd_tracer *tracer, const float choose[RND_LIGHT_GROUPS])
-{
-    memcpy(tracer->choose, choose, sizeof tracer->choose);
 }
 
 void rnd_tracer_tape(struct rnd_tracer *tracer, struct rnd_tape *tape)

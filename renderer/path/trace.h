@@ -27,15 +27,14 @@ struct rnd_wave_io {
 
 struct rnd_tracer; /* one thread's memory for waves */
 
-/* max_bounces and firefly as in struct rnd_render_options; width of the film, pixels; seed of the random
- * numbers of its pixels. NULL when memory is short. */
-struct rnd_tracer *rnd_tracer_create(const struct rnd_scene *scene, int max_bounces, float firefly, int width,
-                                     uint32_t seed);
+/* choice is the caller's, who may change it between waves; max_bounces and firefly as in struct
+ * rnd_render_options; width of the film, pixels; seed of the random numbers of its pixels. NULL when memory
+ * is short. */
+struct rnd_tracer *rnd_tracer_create(const struct rnd_scene *scene, const struct rnd_light_choice *choice,
+                                     int max_bounces, float firefly, int width, uint32_t seed);
 void rnd_tracer_destroy(struct rnd_tracer *tracer); /* accepts NULL */
 /* Go on with another scene. */
 void rnd_tracer_scene(struct rnd_tracer *tracer, const struct rnd_scene *scene);
-/* With which probability a point asks each group of lights: one in all; never 0 for one that gives light. */
-void rnd_tracer_choose(struct rnd_tracer *tracer, const float choose[RND_LIGHT_GROUPS]);
 /* Record the calls to Embree from now on; NULL: no more. */
 struct rnd_tape;
 void rnd_tracer_tape(struct rnd_tracer *tracer, struct rnd_tape *tape);

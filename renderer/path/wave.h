@@ -118,7 +118,7 @@ struct rnd_tracer {
     int width;                      /* of the film, pixels */
     float spread;                   /* angle between neighbouring pixels, rad */
     uint32_t seed;                  /* of the pixels' random numbers */
-    float choose[RND_LIGHT_GROUPS]; /* with which probability a point asks each group for light */
+    const struct rnd_light_choice *choice;
     const struct stages *stages;    /* for this processor */
     uint64_t rays;
     uint64_t stage_ns[RND_STAGES];

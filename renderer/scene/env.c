@@ -5,6 +5,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const float *texel(const struct rnd_env *env, int x, int y)
 {
@@ -35,22 +36,82 @@ static bool take(struct rnd_env *env, const struct rnd_pixels *pixels, size_t *o
     return true;
 }
 
-/* The table, and in every texel the density with which it draws. */
-static bool make_table(struct rnd_env *env, bool *out_black)
+static uint32_t region_of(const struct rnd_env *env, int x, int y)
+{
+    return rnd_env_region(env, ((float)x + 0.5f) / (float)env->width, ((float)y + 0.5f) / (float)env->height);
+}
+
+/* The texels of all regions. A map that has fewer than there are regions leaves some empty. */
+static void divide(struct rnd_env *env)
+{
+    for (int y = 0; y < env->height; y++)
+        for (int x = 0; x < env->width; x++) {
+            struct rnd_env_region *r = &env->region[region_of(env, x, y)];
+            if (r->texels++ == 0) r->x = x, r->y = y;
+            r->width = x - r->x + 1;
+        }
+    for (int i = 1; i < RND_ENV_REGIONS; i++)
+        env->region[i].first = env->region[i - 1].first + env->region[i - 1].texels;
+}
+
+/* The table of one region, and the weight of each of its texels in place of their density. */
+static bool make_region(struct rnd_env *env, int number, float *weight, double *out_sum)
+{
+    const struct rnd_env_region *r = &env->region[number];
+    float any = 0.0f;
+    for (uint32_t i = 0; i < r->texels; i++) {
+        const int x = r->x + (int)i % r->width, y = r->y + (int)i / r->width;
+        any += weight[i] = env->texel[(size_t)y * env->width + x][3] = weight_of(env, x, y);
+    }
+    *out_sum = 0.0;
+    if (!(any > 0.0f)) return true;
+    struct rnd_alias alias;
+    if (!rnd_alias_init(&alias, weight, r->texels)) return false;
+    for (uint32_t i = 0; i < r->texels; i++) {
+        const uint32_t other = alias.entry[i].other, x = other % r->width, y = other / r->width;
+        env->entry[r->first + i] = (struct rnd_alias_entry){
+            alias.entry[i].keep, (uint32_t)(r->y + (int)y) * (uint32_t)env->width + (uint32_t)r->x + x};
+    }
+    *out_sum = alias.sum;
+    rnd_alias_finish(&alias);
+    return true;
+}
+
+/* The tables, and in every texel the density with which they draw. */
+static bool make_tables(struct rnd_env *env, bool *out_black)
 {
     const size_t count = (size_t)env->width * env->height;
-    float *weight = malloc(count * sizeof *weight), any = 0.0f;
-    if (!weight) return false;
-    for (size_t i = 0; i < count; i++)
-        any += weight[i] = weight_of(env, (int)(i % env->width), (int)(i / env->width));
-    *out_black = !(any > 0.0f);
-    const bool ok = *out_black || rnd_alias_init(&env->alias, weight, (uint32_t)count);
+    double sum[RND_ENV_REGIONS], all = 0.0;
+    bool ok = true;
+    divide(env);
+    float *weight = malloc(count * sizeof *weight);
+    env->entry = malloc(count * sizeof *env->entry);
+    if (!weight || !env->entry) goto end;
+    rnd_use_large_pages(env->entry, count * sizeof *env->entry);
+    for (int i = 0; ok && i < RND_ENV_REGIONS; i++) {
+        ok = make_region(env, i, weight, &sum[i]);
+        all += sum[i];
+    }
+    *out_black = !(all > 0.0);
+    if (!ok || *out_black) goto end;
+    const float scale = (float)((double)count / (2.0 * M_PI * M_PI) / all);
+    for (size_t i = 0; i < count; i++) env->texel[i][3] *= scale;
+    for (int i = 0; i < RND_ENV_REGIONS; i++) env->weight[i] = (float)(sum[i] / all);
+    ok = rnd_env_choose(env, env->weight, &env->by_weight);
+end:
     free(weight);
-    if (!ok || *out_black) return ok;
-    const float scale = (float)count / (float)(2.0 * M_PI * M_PI);
-    for (size_t i = 0; i < count; i++) env->texel[i][3] = env->alias.probability[i] * scale;
-    free(env->alias.probability);
-    env->alias.probability = NULL;
+    return ok && env->entry;
+}
+
+bool rnd_env_choose(const struct rnd_env *env, const float probability[RND_ENV_REGIONS],
+                    struct rnd_env_choice *out)
+{
+    struct rnd_alias alias;
+    if (!rnd_alias_init(&alias, probability, RND_ENV_REGIONS)) return false;
+    memcpy(out->entry, alias.entry, sizeof out->entry);
+    for (int i = 0; i < RND_ENV_REGIONS; i++)
+        out->factor[i] = env->weight[i] > 0.0f ? alias.probability[i] / env->weight[i] : 0.0f;
+    rnd_alias_finish(&alias);
     return true;
 }
 
@@ -78,7 +139,7 @@ bool rnd_env_load(struct rnd_scene *scene, const char *path, float azimuth_deg,
         snprintf(text, sizeof text, "pixel %zu is negative or not finite: expected radiance", bad);
         goto end;
     }
-    ok = make_table(env, &black) && !black;
+    ok = make_tables(env, &black) && !black;
     if (black) snprintf(text, sizeof text, "the environment map is black");
 end:
     rnd_pixels_finish(&pixels);
@@ -86,10 +147,12 @@ end:
     return ok;
 }
 
-struct rnd_v3 rnd_env_radiance(const struct rnd_env *env, struct rnd_v3 direction, float *out_pdf)
+struct rnd_v3 rnd_env_radiance(const struct rnd_env *env, struct rnd_v3 direction, uint32_t *out_region,
+                               float *out_pdf)
 {
     float u, v;
     rnd_env_to_uv(env, direction, &u, &v);
+    *out_region = rnd_env_region(env, u, v);
     const float *t = env->texel[rnd_env_texel(env, u, v, 0.5f, 0.5f)];
     *out_pdf = t[3] / fmaxf(sqrtf(direction.x * direction.x + direction.z * direction.z), 1e-6f);
     return rnd_v3(t[0], t[1], t[2]);

@@ -170,7 +170,7 @@ void rnd_lights_finish(struct rnd_lights *lights)
 {
     if (lights->env) {
         free(lights->env->texel);
-        rnd_alias_finish(&lights->env->alias);
+        free(lights->env->entry);
     }
     free(lights->env);
     free(lights->sun);
@@ -198,10 +198,12 @@ static bool draw_area(const struct rnd_scene *scene, struct rnd_v3 point, const 
 static bool draw_env(const struct rnd_lights *lights, const float u[4], struct rnd_light_sample *out)
 {
     const struct rnd_env *env = lights->env;
-    float s, t;
-    out->direction = rnd_env_direction(env, rnd_alias_draw(&env->alias, u[1], u[0]), u[2], u[3], &s, &t);
+    float part, s, t;
+    uint32_t region;
+    const uint32_t place = rnd_env_place(env, &env->by_weight, u[1], u[0], &region, &part);
+    out->direction = rnd_env_direction(env, rnd_env_texel_of(env, region, place, part), u[2], u[3], &s, &t);
     out->distance = INFINITY;
-    out->radiance = rnd_env_radiance(env, out->direction, &out->pdf);
+    out->radiance = rnd_env_radiance(env, out->direction, &region, &out->pdf);
     out->delta = false;
     return out->pdf > 0.0f;
 }

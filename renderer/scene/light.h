@@ -39,14 +39,32 @@ RND_INLINE uint32_t rnd_alias_draw(const struct rnd_alias *alias, float u, float
     return part < alias->entry[i].keep ? i : alias->entry[i].other;
 }
 
-/* --- environment --- */
+/* --- environment ---
+ *
+ * First a region is drawn, then a texel in it by luminance and solid angle. Regions are drawn by what all
+ * their texels weigh, or by what of that is known to arrive (path/survey.c). */
+
+enum { RND_ENV_COLUMNS = 32, RND_ENV_ROWS = 16, RND_ENV_REGIONS = RND_ENV_COLUMNS * RND_ENV_ROWS };
+
+/* Which region is drawn how often. */
+struct rnd_env_choice {
+    struct rnd_alias_entry entry[RND_ENV_REGIONS]; /* an alias table */
+    float factor[RND_ENV_REGIONS]; /* of each: its probability over that by the weight of its texels */
+};
 
 struct rnd_env {
     int width, height;
     float turn;        /* what is added to u before the look-up */
-    float (*texel)[4]; /* row by row: radiance, and the density of drawing it, per steradian, times the cosine
-                          of the latitude */
-    struct rnd_alias alias; /* over the texels, by luminance and solid angle; without probabilities */
+    float (*texel)[4]; /* row by row: radiance, and the density of drawing it by weight, per steradian, times
+                          the cosine of the latitude */
+    struct rnd_env_region {
+        uint32_t first, texels; /* its own among the entries */
+        int32_t x, y, width;    /* in the map */
+    } region[RND_ENV_REGIONS];
+    struct rnd_alias_entry *entry; /* an alias table a region, of its texels row by row; others are texels of
+                                      the map */
+    float weight[RND_ENV_REGIONS]; /* of regions; the sum is 1 */
+    struct rnd_env_choice by_weight; /* with factors of 1 */
 };
 
 bool rnd_env_load(struct rnd_scene *scene, const char *path, float azimuth_deg,
@@ -63,6 +81,42 @@ RND_INLINE uint32_t rnd_env_texel(const struct rnd_env *env, float u, float v, f
     iy = iy < 0 ? 0 : iy;
     iy = iy >= env->height ? env->height - 1 : iy;
     return (uint32_t)(iy * env->width + ix);
+}
+
+/* The region of the texel that (u, v) falls into: its borders are those of texels. */
+RND_INLINE uint32_t rnd_env_region(const struct rnd_env *env, float u, float v)
+{
+    const float x = rnd_smaller(floorf(u * (float)env->width), (float)(env->width - 1)),
+                y = rnd_smaller(floorf(v * (float)env->height), (float)(env->height - 1));
+    const int32_t column = (int32_t)((x + 0.5f) * (RND_ENV_COLUMNS / (float)env->width)),
+                  row = (int32_t)((y + 0.5f) * (RND_ENV_ROWS / (float)env->height));
+    return (uint32_t)(row * RND_ENV_COLUMNS + column);
+}
+
+/* Draw a region, by u in [0,1) whose bits below 2^-24 are v in [0,1), and an entry of it; rnd_env_texel_of()
+ * says which of its two texels is drawn. */
+RND_INLINE uint32_t rnd_env_place(const struct rnd_env *env, const struct rnd_env_choice *choice, float u,
+                                  float v, uint32_t *out_region, float *out_part)
+{
+    const double place = ((double)u + (double)v * 0x1p-24) * RND_ENV_REGIONS;
+    const uint32_t drawn = (uint32_t)place < RND_ENV_REGIONS ? (uint32_t)place : RND_ENV_REGIONS - 1;
+    const struct rnd_alias_entry *entry = &choice->entry[drawn];
+    const double part = place - drawn, keep = (double)entry->keep;
+    const bool own = part < keep;
+    const uint32_t number = *out_region = own ? drawn : entry->other;
+    const struct rnd_env_region *region = &env->region[number];
+    const double rest = (own ? part / keep : (part - keep) / (1.0 - keep)) * region->texels;
+    const uint32_t i = rest < region->texels ? (uint32_t)rest : region->texels - 1;
+    *out_part = (float)(rest - i);
+    return region->first + i;
+}
+
+RND_INLINE uint32_t rnd_env_texel_of(const struct rnd_env *env, uint32_t region, uint32_t place, float part)
+{
+    const struct rnd_env_region *r = &env->region[region];
+    const uint32_t i = place - r->first, width = (uint32_t)r->width;
+    if (!(part < env->entry[place].keep)) return env->entry[place].other;
+    return ((uint32_t)r->y + i / width) * (uint32_t)env->width + (uint32_t)r->x + i % width;
 }
 
 RND_INLINE void rnd_env_to_uv(const struct rnd_env *env, struct rnd_v3 direction, float *out_u, float *out_v)
@@ -85,8 +139,15 @@ RND_INLINE struct rnd_v3 rnd_env_direction(const struct rnd_env *env, uint32_t t
     return rnd_v3_from_uv(turned - floorf(turned), *out_v);
 }
 
-/* Radiance from a direction, the texel that it falls into; and the density with which it is drawn. */
-struct rnd_v3 rnd_env_radiance(const struct rnd_env *env, struct rnd_v3 direction, float *out_pdf);
+/* Radiance from a direction, the texel that it falls into; its region; and the density with which it is drawn
+ * by weight. */
+struct rnd_v3 rnd_env_radiance(const struct rnd_env *env, struct rnd_v3 direction, uint32_t *out_region,
+                               float *out_pdf);
+
+/* Draw regions with these probabilities, of any sum above 0: 0 for those without weight, and for those alone.
+ * False if memory is short. */
+bool rnd_env_choose(const struct rnd_env *env, const float probability[RND_ENV_REGIONS],
+                    struct rnd_env_choice *out);
 
 /* --- sun --- */
 
@@ -145,6 +206,12 @@ struct rnd_punctual {
 /* Groups that a shading point chooses between before it chooses a light. */
 enum { RND_LIGHT_AREA, RND_LIGHT_ENV, RND_LIGHT_SUN, RND_LIGHT_PUNCTUAL, RND_LIGHT_GROUPS };
 
+/* How often points ask for which light. */
+struct rnd_light_choice {
+    float group[RND_LIGHT_GROUPS]; /* one in all; never 0 for one that gives light */
+    struct rnd_env_choice env;     /* unused without an environment */
+};
+
 struct rnd_lights {
     bool has[RND_LIGHT_GROUPS]; /* does the group give light? */
     uint32_t area_count;
@@ -172,8 +239,8 @@ struct rnd_light_sample {
 bool rnd_lights_build(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE]);
 void rnd_lights_finish(struct rnd_lights *lights);
 
-/* Draw a light of a group for the point from four numbers in [0,1). False if what was drawn does not reach
- * it. */
+/* Draw a light of a group for the point from four numbers in [0,1), regions of the environment by their
+ * weight. False if what was drawn does not reach it. */
 bool rnd_light_draw(const struct rnd_scene *scene, int group, struct rnd_v3 point, const float u[4],
                     struct rnd_light_sample *out);
 

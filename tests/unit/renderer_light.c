@@ -18,14 +18,59 @@ static int cell_of(struct rnd_v3 d)
     return (y < ROWS ? y : ROWS - 1) * COLUMNS + (x < COLUMNS ? x : COLUMNS - 1);
 }
 
-/* An environment of three orders of magnitude, turned: the stated density integrates to one over the sphere,
- * draws follow it, and the radiance over density of what is drawn has the mean of the map. */
+/* Draws fall where the density says, whatever is chosen, and the density is one over the sphere. */
+static void check_environment(const struct rnd_env *env, const struct rnd_env_choice *choice, double mean)
+{
+    enum { PARTS = 24 };
+    static double mass[CELLS], count[CELLS];
+    memset(mass, 0, sizeof mass);
+    memset(count, 0, sizeof count);
+    double sum = 0.0, all = 0.0, given = 0.0, others = 0.0;
+    for (int cell = 0; cell < CELLS; cell++) {
+        for (int k = 0; k < PARTS * PARTS; k++) {
+            const double u = (cell % COLUMNS + (k % PARTS + 0.5) / PARTS) / COLUMNS,
+                         v = (cell / COLUMNS + (k / PARTS + 0.5) / PARTS) / ROWS;
+            float pdf;
+            uint32_t region;
+            const struct rnd_v3 d = rnd_v3_from_uv((float)u, (float)v),
+                                radiance = rnd_env_radiance(env, d, &region, &pdf);
+            const double area = sin(M_PI * v) * 2.0 * M_PI * M_PI / ((double)CELLS * PARTS * PARTS);
+            mass[cell] += pdf * choice->factor[region] * area;
+            all += radiance.x * area;
+        }
+        sum += mass[cell];
+    }
+    print_message("density integrates to %.5f, radiance to %.2f of %.2f\n", sum, all, mean);
+    assert_float_equal(sum, 1.0, 2e-3);
+    assert_true(fabs(all / mean - 1.0) < 2e-2);
+    for (uint32_t i = 0; i < DRAWS; i++) {
+        const float u[4] = {stat_uniform(2, i), stat_uniform(3, i), stat_uniform(4, i), stat_uniform(5, i)};
+        uint32_t region, there;
+        float part, s, t, pdf;
+        const uint32_t place = rnd_env_place(env, choice, u[1], u[0], &region, &part);
+        const struct rnd_v3 d =
+            rnd_env_direction(env, rnd_env_texel_of(env, region, place, part), u[2], u[3], &s, &t);
+        const struct rnd_v3 radiance = rnd_env_radiance(env, d, &there, &pdf);
+        others += there != region;
+        count[cell_of(d)]++;
+        given += radiance.x / (pdf * choice->factor[there]) / DRAWS;
+    }
+    for (int i = 0; i < CELLS; i++) mass[i] *= DRAWS / sum;
+    const double p = stat_chi_square_p(count, mass, CELLS);
+    print_message("p %.3f; radiance over density %.3f of the integral\n", p, given / all);
+    assert_true(p > 0.001);
+    assert_true(others < 1e-4 * DRAWS); /* at their borders a direction is rounded */
+    assert_true(fabs(given / all - 1.0) < 0.01);
+}
+
+/* An environment of three orders of magnitude, turned by nine texels: the stated density integrates to one
+ * over the sphere, draws follow it, and the radiance over density of what is drawn has the mean of the map.
+ */
 static void environment(void **state)
 {
     (void)state;
-    enum { W = 96, H = 48, PARTS = 24 };
+    enum { W = 96, H = 48 };
     static float rgb[W * H * 3];
-    static double mass[CELLS], count[CELLS];
     char error[RND_ERROR_SIZE];
     double mean = 0.0;
     for (int i = 0; i < W * H; i++) {
@@ -37,42 +82,21 @@ static void environment(void **state)
     files_text("f.mtl", "newmtl floor\nKd 0.5 0.5 0.5\n");
     assert_true(rnd_image_write(files_path("env.hdr"), W, H, rgb, true, error));
     const struct rnd_scene_options options = {
-        .path = files_text("f.obj", floor_obj), .env_path = files_path("env.hdr"), .env_azimuth = 33.0f};
+        .path = files_text("f.obj", floor_obj), .env_path = files_path("env.hdr"), .env_azimuth = 33.75f};
     struct rnd_scene *scene = rnd_scene_load(&options, error);
     if (!scene) fail_msg("%s", error);
     const struct rnd_env *env = scene->lights.env;
     assert_true(scene->lights.has[RND_LIGHT_ENV]);
 
-    double sum = 0.0, all = 0.0, given = 0.0;
-    for (int cell = 0; cell < CELLS; cell++) {
-        for (int k = 0; k < PARTS * PARTS; k++) {
-            const double u = (cell % COLUMNS + (k % PARTS + 0.5) / PARTS) / COLUMNS,
-                         v = (cell / COLUMNS + (k / PARTS + 0.5) / PARTS) / ROWS;
-            float pdf;
-            const struct rnd_v3 d = rnd_v3_from_uv((float)u, (float)v),
-                                radiance = rnd_env_radiance(env, d, &pdf);
-            const double area = sin(M_PI * v) * 2.0 * M_PI * M_PI / ((double)CELLS * PARTS * PARTS);
-            mass[cell] += pdf * area;
-            all += radiance.x * area;
-        }
-        sum += mass[cell];
-    }
     mean *= 4.0 * M_PI * M_PI / (2.0 * W * H);
-    print_message("density integrates to %.5f, radiance to %.2f of %.2f\n", sum, all, mean);
-    assert_float_equal(sum, 1.0, 2e-3);
-    assert_true(fabs(all / mean - 1.0) < 2e-2);
-    for (uint32_t i = 0; i < DRAWS; i++) {
-        const float u[4] = {stat_uniform(2, i), stat_uniform(3, i), stat_uniform(4, i), stat_uniform(5, i)};
-        struct rnd_light_sample light;
-        assert_true(rnd_light_draw(scene, RND_LIGHT_ENV, rnd_v3(0, 1, 0), u, &light));
-        count[cell_of(light.direction)]++;
-        given += light.radiance.x / light.pdf / DRAWS;
-    }
-    for (int i = 0; i < CELLS; i++) mass[i] *= DRAWS / sum;
-    const double p = stat_chi_square_p(count, mass, CELLS);
-    print_message("p %.3f; radiance over density %.3f of the integral\n", p, given / all);
-    assert_true(p > 0.001);
-    assert_true(fabs(given / all - 1.0) < 0.01);
+    check_environment(env, &env->by_weight, mean);
+
+    float probability[RND_ENV_REGIONS];
+    struct rnd_env_choice some;
+    for (uint32_t i = 0; i < RND_ENV_REGIONS; i++)
+        probability[i] = env->weight[i] * (0.05f + 2.0f * stat_uniform(10, i));
+    assert_true(rnd_env_choose(env, probability, &some));
+    check_environment(env, &some, mean);
     rnd_scene_destroy(scene);
 }
 
@@ -146,7 +170,7 @@ static void survey(void **state)
 {
     (void)state;
     static const float sun[4] = {20, 60, 5, 0.53f}, in[3] = {0, 1, 0}, out[3] = {3, 1, 0};
-    float choose[2][3][RND_LIGHT_GROUPS];
+    struct rnd_light_choice choice[2][3] = {0};
     files_text("b.mtl", "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl lamp\nKd 0 0 0\nKe 3 3 3\n");
     struct rnd_scene *scene = files_load(
         files_text("b.obj", "mtllib b.mtl\nusemtl wall\nv -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\n"
@@ -158,26 +182,56 @@ static void survey(void **state)
     for (int threads = 1; threads <= 3; threads++) {
         struct rnd_pool *pool = rnd_pool_create(threads);
         assert_non_null(pool);
-        rnd_survey_lights(scene, in, pool, threads, choose[0][threads - 1]);
-        rnd_survey_lights(scene, out, pool, threads, choose[1][threads - 1]);
+        rnd_survey_lights(scene, in, pool, threads, &choice[0][threads - 1]);
+        rnd_survey_lights(scene, out, pool, threads, &choice[1][threads - 1]);
         rnd_pool_destroy(pool);
     }
     for (int place = 0; place < 2; place++) {
-        const float *c = choose[place][0];
+        const float *c = choice[place][0].group;
         const int near = place == 0 ? RND_LIGHT_AREA : RND_LIGHT_SUN,
                   far = place == 0 ? RND_LIGHT_SUN : RND_LIGHT_AREA;
         print_message("%s: lamp %.3f, sun %.3f\n", place == 0 ? "inside" : "outside", c[RND_LIGHT_AREA],
                       c[RND_LIGHT_SUN]);
         assert_float_equal(c[near] + c[far], 1, 1e-6);
         assert_true(c[near] >= 0.89f && c[far] >= 0.09f);
-        for (int t = 1; t < 3; t++) assert_memory_equal(c, choose[place][t], sizeof choose[place][t]);
+        for (int t = 1; t < 3; t++) assert_memory_equal(c, &choice[place][t], sizeof choice[place][t]);
     }
+    rnd_scene_destroy(scene);
+}
+
+/* A closed box with a window to +X, under an even sky: who is in it asks the sky there. */
+static void window(void **state)
+{
+    (void)state;
+    struct rnd_light_choice choice[3] = {0};
+    files_text("w.mtl", "newmtl wall\nKd 0.5 0.5 0.5\n");
+    struct rnd_scene *scene = files_load(
+        files_text("w.obj", "mtllib w.mtl\nusemtl wall\nv -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\n"
+                            "v -1 2 -1\nv 1 2 -1\nv 1 2 1\nv -1 2 1\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\n"
+                            "f 3 4 8 7\nf 4 1 5 8\nv 1 1 -1\nv 1 1 1\nf 2 3 10 9\n"),
+        files_env("even.exr", 1.0f), NULL, (float[]){0, 1, 0});
+    for (int threads = 1; threads <= 3; threads++) {
+        struct rnd_pool *pool = rnd_pool_create(threads);
+        assert_non_null(pool);
+        rnd_survey_lights(scene, (float[]){0, 1, 0}, pool, threads, &choice[threads - 1]);
+        rnd_pool_destroy(pool);
+        assert_memory_equal(&choice[0], &choice[threads - 1], sizeof choice[0]);
+    }
+    uint32_t out, back;
+    float pdf;
+    rnd_env_radiance(scene->lights.env, rnd_v3(1, 0.1f, 0), &out, &pdf);
+    rnd_env_radiance(scene->lights.env, rnd_v3(-1, 0.1f, 0), &back, &pdf);
+    const float *factor = choice[0].env.factor;
+    print_message("through the window %.3f, through the wall %.3f times as often as by weight\n", factor[out],
+                  factor[back]);
+    assert_true(factor[out] > 2 && factor[back] < 0.11f && factor[back] > 0.09f);
     rnd_scene_destroy(scene);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(environment), cmocka_unit_test(triangle),
-                                       cmocka_unit_test(sphere_of_light), cmocka_unit_test(survey)};
+                                       cmocka_unit_test(sphere_of_light), cmocka_unit_test(survey),
+                                       cmocka_unit_test(window)};
     return cmocka_run_group_tests_name("renderer_light", tests, files_setup, files_teardown);
 }
