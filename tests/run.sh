@@ -1,6 +1,6 @@
 #!/bin/sh
 # Installs what is missing, builds, and runs every test: release, AddressSanitizer with UndefinedBehaviorSanitizer, and
-# ThreadSanitizer for what has threads. One argument runs only that preset: release, sanitize or tsan.
+# ThreadSanitizer for what has threads. One argument runs only that build: release, sanitize or tsan.
 set -eu
 cd "$(dirname "$0")/.."
 sh daemon/setup.sh tests
@@ -13,12 +13,17 @@ export TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp:second_deadlock_stack=1"
 
 # Many tests wait for daemons more than they work.
 jobs=$(($(nproc) + 1))
-for preset in ${1:-release sanitize tsan}; do
-    printf '\n== %s ==\n' "$preset"
-    cmake --preset "$preset" -G Ninja >/dev/null
-    cmake --build "build/$preset"
-    case $preset in
-    tsan) ctest --test-dir "build/$preset" --output-on-failure -j "$jobs" -L threads ;;
-    *) ctest --test-dir "build/$preset" --output-on-failure -j "$jobs" ;;
+for build in ${1:-release sanitize tsan}; do
+    sanitizers=
+    label=
+    case $build in
+    release) ;;
+    sanitize) sanitizers=address,undefined ;;
+    tsan) sanitizers=thread label=threads ;;
+    *) echo "run.sh: expected release, sanitize or tsan: $build" >&2; exit 2 ;;
     esac
+    printf '\n== %s ==\n' "$build"
+    cmake -S . -B "build/$build" -G Ninja -DSANITIZE=$sanitizers >/dev/null
+    cmake --build "build/$build"
+    ctest --test-dir "build/$build" --output-on-failure -j "$jobs" ${label:+-L $label}
 done
