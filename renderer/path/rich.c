@@ -112,20 +112,11 @@ struct parting {
 static struct parting part(const struct view *v, float cosine)
 {
     struct parting out;
-    if (v->s->pane) { /* what passes it was never here */
-        out.reflected = rnd_v3(v->pane, v->pane, v->pane);
-        out.through = rnd_v3(0, 0, 0);
-        out.p_reflect = 1.0f;
-        return out;
-    }
+    if (v->s->pane) /* what passes it was never here */
+        return (struct parting){.reflected = {v->pane, v->pane, v->pane}, .p_reflect = 1.0f};
     const struct rnd_v3 base = rnd_to_v3(v->s->base);
     const float whole = rnd_fresnel_dielectric(fminf(cosine, 1.0f), v->eta, &out.cos_t);
-    if (out.cos_t <= 0.0f) {
-        out.reflected = rnd_v3(1, 1, 1);
-        out.through = rnd_v3(0, 0, 0);
-        out.p_reflect = 1.0f;
-        return out;
-    }
+    if (out.cos_t <= 0.0f) return (struct parting){.reflected = {1, 1, 1}, .p_reflect = 1.0f};
     out.reflected = rnd_v3(rnd_fresnel_scaled(whole, v->eta, v->l->f0.x, v->l->specular),
                            rnd_fresnel_scaled(whole, v->eta, v->l->f0.y, v->l->specular),
                            rnd_fresnel_scaled(whole, v->eta, v->l->f0.z, v->l->specular));

@@ -82,11 +82,11 @@ static bool make_tables(struct rnd_env *env, bool *out_black)
 {
     const size_t count = (size_t)env->width * env->height;
     double sum[RND_ENV_REGIONS], all = 0.0;
-    bool ok = true;
     divide(env);
     float *weight = malloc(count * sizeof *weight);
     env->entry = malloc(count * sizeof *env->entry);
-    if (!weight || !env->entry) goto end;
+    bool ok = weight && env->entry;
+    if (!ok) goto end;
     rnd_use_large_pages(env->entry, count * sizeof *env->entry);
     for (int i = 0; ok && i < RND_ENV_REGIONS; i++) {
         ok = make_region(env, i, weight, &sum[i]);
@@ -94,13 +94,13 @@ static bool make_tables(struct rnd_env *env, bool *out_black)
     }
     *out_black = !(all > 0.0);
     if (!ok || *out_black) goto end;
-    const float scale = (float)((double)count / (2.0 * M_PI * M_PI) / all);
-    for (size_t i = 0; i < count; i++) env->texel[i][3] *= scale;
+    const double scale = (double)count / (2.0 * M_PI * M_PI) / all; /* beyond a float for the darkest maps */
+    for (size_t i = 0; i < count; i++) env->texel[i][3] = (float)((double)env->texel[i][3] * scale);
     for (int i = 0; i < RND_ENV_REGIONS; i++) env->weight[i] = (float)(sum[i] / all);
     ok = rnd_env_choose(env, env->weight, &env->by_weight);
 end:
     free(weight);
-    return ok && env->entry;
+    return ok;
 }
 
 bool rnd_env_choose(const struct rnd_env *env, const float probability[RND_ENV_REGIONS],

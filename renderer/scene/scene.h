@@ -167,18 +167,17 @@ static inline const struct rnd_instance *rnd_resolve_hit(const struct rnd_scene 
 }
 
 /* From the coordinates of an instance's mesh to the world. */
-static inline vec3s rnd_instance_point(const struct rnd_instance *instance, vec3s p)
-{
-    const float *m = instance->to_world;
-    return (vec3s){{m[0] * p.x + m[3] * p.y + m[6] * p.z + m[9], m[1] * p.x + m[4] * p.y + m[7] * p.z + m[10],
-                    m[2] * p.x + m[5] * p.y + m[8] * p.z + m[11]}};
-}
-
 static inline vec3s rnd_instance_direction(const struct rnd_instance *instance, vec3s d)
 {
     const float *m = instance->to_world;
     return (vec3s){{m[0] * d.x + m[3] * d.y + m[6] * d.z, m[1] * d.x + m[4] * d.y + m[7] * d.z,
                     m[2] * d.x + m[5] * d.y + m[8] * d.z}};
+}
+
+static inline vec3s rnd_instance_point(const struct rnd_instance *instance, vec3s p)
+{
+    const float *m = instance->to_world;
+    return glms_vec3_add(rnd_instance_direction(instance, p), (vec3s){{m[9], m[10], m[11]}});
 }
 
 static inline vec3s rnd_instance_normal(const struct rnd_instance *instance, vec3s n)
