@@ -7,7 +7,9 @@
 #include "path/wave.h"
 
 /* Bounces before Russian roulette begins. From then on a path goes on as often as the square root of what is
- * left of it: more paths that are shorter are as good in the same time. */
+ * left of it: more paths that are shorter are as good in the same time. Of it behind the first surface, that
+ * is: an eye judges dark surfaces by their own brightness, so their paths end no sooner than those of bright
+ * ones. */
 enum { SURE_BOUNCES = 1 };
 
 /* --- light that arrives --- */
@@ -164,10 +166,14 @@ static void weigh(struct rnd_tracer *tracer, uint32_t count)
     struct rnd_paths *paths = &tracer->paths[1];
     struct rnd_scatters *to = &tracer->scatters;
     const float least = tracer->depth < SURE_BOUNCES ? 1.0f : 0.0f; /* all numbers are below 1 */
+    const bool at_first = tracer->depth == 0;
 #pragma GCC ivdep
     for (size_t j = 0; j < count; j++) {
         const struct rnd_v3 t = rnd_v3_mul(rnd_get(&paths->throughput, j), rnd_get(&to->weight, j));
-        const float largest = rnd_v3_max(t), go_on = rnd_larger(rnd_smaller(sqrtf(largest), 0.95f), least);
+        const float largest = rnd_v3_max(t), first = at_first ? largest : paths->first[j];
+        const float left = sqrtf(largest / rnd_larger(first, 1e-37f)),
+                    go_on = rnd_larger(rnd_smaller(left, 0.95f), least);
+        paths->first[j] = first;
         const int on = (to->pdf[j] >= 0.0f) & (tracer->number[3][j] < go_on) & (largest > 0.0f);
         rnd_put(&paths->throughput, j, rnd_v3_scale(t, 1.0f / rnd_larger(go_on, 1e-37f)));
         to->pdf[j] = on ? to->pdf[j] : -1.0f;
@@ -203,6 +209,7 @@ static uint32_t go_on(struct rnd_tracer *tracer, uint32_t count)
         to->throughput.x[i] = from->throughput.x[j];
         to->throughput.y[i] = from->throughput.y[j];
         to->throughput.z[i] = from->throughput.z[j];
+        to->first[i] = from->first[j];
         to->seed[i] = from->seed[j];
         to->index[i] = from->index[j];
         to->id[i] = from->id[j];

@@ -100,6 +100,7 @@ static void gather(struct rnd_tracer *tracer, const uint32_t *order, uint32_t co
         to->throughput.x[j] = from->throughput.x[i];
         to->throughput.y[j] = from->throughput.y[i];
         to->throughput.z[j] = from->throughput.z[i];
+        to->first[j] = from->first[i];
         to->pdf[j] = from->pdf[i];
         to->seed[j] = from->seed[i];
         to->index[j] = from->index[i];

@@ -29,6 +29,7 @@ struct rnd_vectors {
 struct rnd_paths {
     struct rnd_vectors origin, direction; /* of the ray; at a surface, origin is the point that was hit */
     struct rnd_vectors throughput;
+    rnd_floats first; /* largest throughput behind the first surface */
     /* With which the direction was drawn, per steradian; 0: a single direction, which next-event estimation
      * could not have found. */
     rnd_floats pdf;
@@ -114,12 +115,12 @@ struct rnd_tape;
 struct rnd_tracer {
     const struct rnd_scene *scene;
     int max_bounces;
-    float firefly;                  /* luminance that indirect light is clamped to; INFINITY: it is not */
-    int width;                      /* of the film, pixels */
-    float spread;                   /* angle between neighbouring pixels, rad */
-    uint32_t seed;                  /* of the pixels' random numbers */
+    float firefly; /* luminance that indirect light is clamped to; INFINITY: it is not */
+    int width;     /* of the film, pixels */
+    float spread;  /* angle between neighbouring pixels, rad */
+    uint32_t seed; /* of the pixels' random numbers */
     const struct rnd_light_choice *choice;
-    const struct stages *stages;    /* for this processor */
+    const struct stages *stages; /* for this processor */
     uint64_t rays;
     uint64_t stage_ns[RND_STAGES];
     struct rnd_tape *tape; /* NULL unless calls are recorded */

@@ -135,8 +135,54 @@ static void clamp_darkens(void **state)
     assert_true(mean[2] < mean[1] && mean[3] < 0.98 * mean[0]);
 }
 
+/* The pixels of a small plate under the eye, on the floor of a room that is lit by way of its ceiling. */
+static int render_plate(const char *name, float albedo, float *out_value)
+{
+    static float rgb[3 * PIXELS];
+    char text[4000], error[RND_ERROR_SIZE];
+    const struct rnd_render_options options = {
+        .width = WIDTH, .height = HEIGHT, .seed = 7, .distribution = rnd_distribution_find("od")};
+    struct rnd_batch batch;
+    int count = 0;
+    snprintf(text, sizeof text,
+             "newmtl wall\nKd .5 .5 .5\nnewmtl lamp\nKd 0 0 0\nKe 9 9 9\nnewmtl plate\nKd %g %g %g\n", albedo,
+             albedo, albedo);
+    files_text("plate.mtl", text);
+    strcpy(text, "mtllib plate.mtl\nusemtl lamp\nv -.3 .5 -.3\nv .3 .5 -.3\nv 0 .5 .3\nf 1 2 3\n");
+    files_box(text, sizeof text, "wall", (double[]){-1, -1, -1}, (double[]){1, 1, 1});
+    files_box(text, sizeof text, "wall", (double[]){-.5, .4, -.5}, (double[]){.5, .45, .5});
+    files_box(text, sizeof text, "plate", (double[]){-.1, -1, -.1}, (double[]){.1, -.99, .1});
+    struct rnd_scene *scene = files_load(files_text(name, text), NULL, NULL, (float[]){0, -.8f, 0});
+    struct rnd_render *render = rnd_render_create(scene, &options, error);
+    if (!render) fail_msg("%s", error);
+    const struct rnd_aim aim = files_aim(0, -1, 0);
+    for (int i = 0; i < 8; i++) rnd_render_batch(render, &aim, 0, PIXELS, &batch);
+    rnd_render_resolve(render, rgb, NULL, NULL);
+    rnd_render_destroy(render);
+    rnd_scene_destroy(scene);
+    /* within 24 degrees of straight down */
+    for (int i = HEIGHT * 156 / 180 * WIDTH; i < PIXELS; i++) out_value[count++] = rgb[3 * i];
+    return count;
+}
+
+/* A surface that is ten times darker is as well known for what it is: its picture is that of the brighter
+ * one, noise and all, but for what little of its own light comes back to it. */
+static void dark_is_as_sure(void **state)
+{
+    (void)state;
+    static float bright[PIXELS], dark[PIXELS];
+    const int count = render_plate("bright.obj", 0.2f, bright);
+    double mean = 0, apart = 0;
+    assert_int_equal(render_plate("dark.obj", 0.02f, dark), count);
+    for (int i = 0; i < count; i++) mean += bright[i], apart += fabsf(bright[i] - 10.0f * dark[i]);
+    print_message("%d pixels, mean %.4g; they and ten times the darker ones are %.3g %% apart\n", count,
+                  mean / count, 100 * apart / mean);
+    assert_true(mean > 0 && apart < 0.02 * mean);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(gaze_is_no_bias), cmocka_unit_test(clamp_darkens)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(gaze_is_no_bias), cmocka_unit_test(clamp_darkens),
+                                       cmocka_unit_test(dark_is_as_sure)};
     return cmocka_run_group_tests_name("renderer_unbiased", tests, files_setup, files_teardown);
 }
