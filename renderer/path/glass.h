@@ -34,21 +34,22 @@ static inline float rnd_fresnel_scaled(float whole, float eta, float f0, float s
 /* --- panes ---
  *
  * A pane is not there for the rays that go straight through it: Embree's filters let each ray pass with the
- * chance of light to do so, and what hits it is reflected. So light is found through a window as well as
- * without it, shadow rays and all. */
+ * chance of light to do so, whatever its colour, and what hits it is reflected, or is the rest that a tint
+ * lets through. So light is found through a window as well as without it, shadow rays and all. */
 
 static inline bool rnd_is_pane(const struct rnd_mesh *mesh, const struct rnd_material *material)
 {
     return material->pane && !mesh->colour;
 }
 
-/* Share of light that a pane reflects, and that passes it, at the cosine between its way and the triangle. */
+/* Share of light that a pane reflects, and that passes it unseen, at the cosine between its way and the
+ * triangle. */
 static inline float rnd_pane_reflects(const struct rnd_material *material, float cosine, float *out_passes)
 {
     float cos_t;
     const float whole = rnd_fresnel_dielectric(fminf(cosine, 1.0f), material->ior, &cos_t),
                 reflected = rnd_fresnel_scaled(whole, material->ior, material->f0, material->specular);
-    *out_passes = material->base.x * (1.0f - reflected);
+    *out_passes = glms_vec3_min(material->base) * (1.0f - reflected);
     return reflected;
 }
 

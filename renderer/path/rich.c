@@ -95,7 +95,7 @@ struct view {
     struct rnd_mr mr; /* the part that does not transmit */
     float eta;        /* index behind over index in front */
     bool smooth;      /* glass */
-    float pane;       /* of the light that does not pass it, the share that a pane reflects */
+    float pane, rest; /* of the light that does not pass a pane unseen: reflected, and not reflected */
     float sheen_roughness;
     float coat, sheen;                        /* strength of the layers; 0: not there */
     float sheen_share, mr_share, glass_share; /* of the light, that each is given */
@@ -112,15 +112,19 @@ struct parting {
 static struct parting part(const struct view *v, float cosine)
 {
     struct parting out;
-    if (v->s->pane) /* what passes it was never here */
-        return (struct parting){.reflected = {v->pane, v->pane, v->pane}, .p_reflect = 1.0f};
     const struct rnd_v3 base = rnd_to_v3(v->s->base);
-    const float whole = rnd_fresnel_dielectric(fminf(cosine, 1.0f), v->eta, &out.cos_t);
-    if (out.cos_t <= 0.0f) return (struct parting){.reflected = {1, 1, 1}, .p_reflect = 1.0f};
-    out.reflected = rnd_v3(rnd_fresnel_scaled(whole, v->eta, v->l->f0.x, v->l->specular),
-                           rnd_fresnel_scaled(whole, v->eta, v->l->f0.y, v->l->specular),
-                           rnd_fresnel_scaled(whole, v->eta, v->l->f0.z, v->l->specular));
-    out.through = rnd_v3_scale(base, 1.0f - rnd_v3_max(out.reflected));
+    if (v->s->pane) {
+        const float unseen = glms_vec3_min(v->s->base);
+        out.reflected = rnd_v3(v->pane, v->pane, v->pane);
+        out.through = rnd_v3_scale(rnd_v3_sub(base, rnd_v3(unseen, unseen, unseen)), v->rest);
+    } else {
+        const float whole = rnd_fresnel_dielectric(fminf(cosine, 1.0f), v->eta, &out.cos_t);
+        if (out.cos_t <= 0.0f) return (struct parting){.reflected = {1, 1, 1}, .p_reflect = 1.0f};
+        out.reflected = rnd_v3(rnd_fresnel_scaled(whole, v->eta, v->l->f0.x, v->l->specular),
+                               rnd_fresnel_scaled(whole, v->eta, v->l->f0.y, v->l->specular),
+                               rnd_fresnel_scaled(whole, v->eta, v->l->f0.z, v->l->specular));
+        out.through = rnd_v3_scale(base, 1.0f - rnd_v3_max(out.reflected));
+    }
     const float reflect = rnd_v3_sum(out.reflected), pass = rnd_v3_sum(out.through);
     out.p_reflect = reflect + pass > 0.0f ? reflect / (reflect + pass) : 1.0f;
     return out;
@@ -145,6 +149,7 @@ static struct view view_of(const struct rnd_surface *s, vec3s wo)
         float passes;
         const float reflects = rnd_pane_reflects(s->material, glms_vec3_dot(wo, s->geometric), &passes);
         v.pane = passes < 1.0f ? reflects / (1.0f - passes) : 1.0f;
+        v.rest = passes < 1.0f ? (1.0f - reflects) / (1.0f - passes) : 0.0f;
     }
     v.sheen_roughness = fmaxf(l->sheen_roughness, SHEEN_LEAST);
 

@@ -38,16 +38,15 @@ static bool is_plain(const struct rnd_map *map)
     return map->texture < 0 || map->uv_set == 0;
 }
 
-/* What passes a pane keeps its colour, and all that it passes is known without a look at the surface. */
+/* What a pane lets through is known without a look at the surface. */
 static bool is_pane(const struct rnd_material *m)
 {
     for (int use = 0; use < RND_MAPS; use++)
         if (m->map[use].texture >= 0) return false;
     return m->thin && !m->unlit && m->transmission == 1.0f && m->metallic == 0.0f &&
            m->alpha_mode == RND_OPAQUE && rnd_alpha(m->roughness) <= RND_MIN_ALPHA &&
-           m->base.x == m->base.y && m->base.y == m->base.z && m->clearcoat == 0.0f &&
-           glms_vec3_max(m->sheen_colour) == 0.0f && glms_vec3_max(m->emission) == 0.0f &&
-           glms_vec3_eqv(m->specular_colour, glms_vec3_one());
+           glms_vec3_min(m->base) > 0.0f && m->clearcoat == 0.0f && glms_vec3_max(m->sheen_colour) == 0.0f &&
+           glms_vec3_max(m->emission) == 0.0f && glms_vec3_eqv(m->specular_colour, glms_vec3_one());
 }
 
 void rnd_material_set_kind(struct rnd_material *m)

@@ -260,42 +260,73 @@ static double metal(double roughness, const char *base, double cone_deg, float r
     return value;
 }
 
+/* A matt floor of .5, panes above it (and below), glass of 1.5 with that colour. */
+static struct rnd_scene *under_panes(const char *nodes, const char *colour, const char *env, const float *sun)
+{
+    static const struct files_part part[] = {FILES_SQUARE};
+    static const char meshes[] =
+        "{\"attributes\":{\"POSITION\":0},\"indices\":2,\"material\":0}]},{\"primitives\":["
+        "{\"attributes\":{\"POSITION\":0},\"indices\":2,\"material\":1}";
+    char materials[600];
+    snprintf(materials, sizeof materials,
+             "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,1],\"metallicFactor\":0},"
+             "\"extensions\":{\"KHR_materials_specular\":{\"specularFactor\":0}}},"
+             "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[%s,1],\"metallicFactor\":0,"
+             "\"roughnessFactor\":0},\"extensions\":{\"KHR_materials_transmission\":"
+             "{\"transmissionFactor\":1}}}",
+             colour);
+    return files_load(files_parts("pane.gltf", meshes, nodes, materials, "", part, 3), env, sun,
+                      (float[]){0, 0.5f, 0});
+}
+
+static const char pane_nodes[] =
+    "{\"mesh\":0,\"scale\":[600,1,300],\"children\":[1]},{\"mesh\":1,\"translation\":[0,1,0]}";
+
 /* Sun through a clear pane on a floor below, once as a mesh of the world and once as an instance stretched
  * along two axes: 1 - R of it comes through, R by Fresnel at 60 degrees; and of what the floor gives back the
  * pane returns the mean of R over the hemisphere, 0.0918 for glass of 1.5 (Walsh 1926). */
 static void pane(void **state)
 {
     (void)state;
-    static const struct files_part part[] = {FILES_SQUARE};
-    static const char meshes[] =
-        "{\"attributes\":{\"POSITION\":0},\"indices\":2,\"material\":0}]},{\"primitives\":["
-        "{\"attributes\":{\"POSITION\":0},\"indices\":2,\"material\":1}";
-    static const char materials[] =
-        "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,1],\"metallicFactor\":0},"
-        "\"extensions\":{\"KHR_materials_specular\":{\"specularFactor\":0}}},"
-        "{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":0},"
-        "\"extensions\":{\"KHR_materials_transmission\":{\"transmissionFactor\":1}}}";
     static const char *const nodes[] = {
-        "{\"mesh\":0,\"scale\":[60,1,30],\"children\":[1]},{\"mesh\":1,\"translation\":[0,1,0]}",
-        "{\"mesh\":0,\"scale\":[60,1,30],\"children\":[1,2]},{\"mesh\":1,\"translation\":[0,1,0]},"
+        pane_nodes,
+        "{\"mesh\":0,\"scale\":[600,1,300],\"children\":[1,2]},{\"mesh\":1,\"translation\":[0,1,0]},"
         "{\"mesh\":1,\"translation\":[0,-1,0]}"};
     const double ci = 0.5, ct = sqrt(1.0 - (1.0 - ci * ci) / 2.25), rs = (ci - 1.5 * ct) / (ci + 1.5 * ct),
                  rp = (1.5 * ci - ct) / (1.5 * ci + ct), reflected = 0.5 * (rs * rs + rp * rp);
     const struct rnd_aim down = files_aim(0, -1, 0), up = files_aim(0, 1, 0);
     for (int i = 0; i < 2; i++) {
-        const char *path = files_parts("pane.gltf", meshes, nodes[i], materials, "", part, 3);
-        struct rnd_scene *scene = files_load(path, NULL, (float[]){20, 30, 3, 0.53f}, (float[]){0, 0.5f, 0});
+        struct rnd_scene *scene = under_panes(nodes[i], "1,1,1", NULL, (float[]){20, 30, 3, 0.53f});
         assert_within(i ? "sun through instanced panes" : "sun through a pane",
                       files_radiance(scene, "fv", 0, 200000, &down, 30, NULL),
                       0.5 / M_PI * 3 * ci * (1 - reflected) / (1 - 0.5 * 0.0918), 0.003);
         rnd_scene_destroy(scene);
 
-        scene = files_load(path, files_env("lit.exr", 0.75f), NULL, (float[]){0, 0.5f, 0});
+        scene = under_panes(nodes[i], "1,1,1", files_env("lit.exr", 0.75f), NULL);
         const double floor = 0.5 * 0.75 * (1 - 0.0918) / (1 - 0.5 * 0.0918);
         assert_within("sky through it, and the floor in it",
                       files_radiance(scene, "fv", 0, 200000, &up, 10, NULL), 0.96 * 0.75 + 0.04 * floor,
                       0.003);
         rnd_scene_destroy(scene);
+    }
+}
+
+/* A tinted pane gives each colour its share, of the sky that is seen and of what lights the floor. */
+static void tinted_pane(void **state)
+{
+    (void)state;
+    static const double tint[3] = {0.5, 0.8, 0.9};
+    const struct rnd_aim down = files_aim(0, -1, 0), up = files_aim(0, 1, 0);
+    struct rnd_scene *scene = under_panes(pane_nodes, "0.5,0.8,0.9", files_env("lit.exr", 0.75f), NULL);
+    float sky[3], floor[3];
+    files_radiance(scene, "fv", 0, 1000000, &up, 10, sky);
+    files_radiance(scene, "fv", 0, 1000000, &down, 10, floor);
+    rnd_scene_destroy(scene);
+    for (int c = 0; c < 3; c++) {
+        const double below = 0.5 * 0.75 * tint[c] * (1 - 0.0918) / (1 - 0.5 * 0.0918);
+        assert_within("floor under a tinted pane", floor[c], below, 0.01);
+        assert_within("sky through it, and the floor in it", sky[c], 0.96 * tint[c] * 0.75 + 0.04 * below,
+                      0.01);
     }
 }
 
@@ -366,6 +397,7 @@ int main(void)
         cmocka_unit_test(lamp_behind_glass),
         cmocka_unit_test(turned_environment),
         cmocka_unit_test(pane),
+        cmocka_unit_test(tinted_pane),
     };
     return cmocka_run_group_tests_name("renderer_furnace", tests, files_setup, files_teardown);
 }
