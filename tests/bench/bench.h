@@ -4,6 +4,7 @@
 
 #include <stdbool.h>
 #include <stdio.h>
+#include <time.h>
 
 #include "renderer.h"
 
@@ -34,6 +35,9 @@ bool bench_options(int count, char **arguments, const char *help, const struct b
     "  --env FILE         environment map\n"                                                                 \
     "  --sun A,E,S,D      azimuth, elevation, irradiance, angular diameter (deg)\n"                          \
     "  --eye X,Y,Z        m\n"
+
+/* What a clock of clock_gettime() shows, s. */
+double bench_seconds(clockid_t clock);
 
 /* Median of count values, at most 99. */
 double bench_median(const double *values, int count);

@@ -12,7 +12,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum { MAX_TURNS = 99, WIDTH = 256, HEIGHT = WIDTH / 2, BATCH = 4096, ROUNDS = 4 };
 
@@ -152,18 +151,16 @@ static double trace(struct rnd_render *render, const struct rnd_scene *scene, co
                     double *out_rays)
 {
     const struct rnd_aim aim = {.gaze = {0, 0, -1}, .view = {0, 0, 0, 1}, .fov = {1.7f, 1.7f}};
-    struct timespec start, end;
     struct rnd_batch batch;
     rnd_render_restart(render, scene, rnd_scene_info(scene)->eye);
     rnd_render_batch(render, &aim, 0, 1, &batch);
     *out_rays = 0;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &start);
+    const double start = bench_seconds(CLOCK_PROCESS_CPUTIME_ID);
     for (int left = setup->paths; left > 0; left -= BATCH) {
         rnd_render_batch(render, &aim, 0, (uint32_t)(left < BATCH ? left : BATCH), &batch);
         *out_rays += (double)batch.rays;
     }
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &end);
-    return (double)(end.tv_sec - start.tv_sec) + 1e-9 * (double)(end.tv_nsec - start.tv_nsec);
+    return bench_seconds(CLOCK_PROCESS_CPUTIME_ID) - start;
 }
 
 /* Do the pictures agree in every bit, and have the same paths been taken? */

@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { MAX_TURNS = 99, BATCH = 4096 };
@@ -42,13 +41,6 @@ static bool parse(int count, char **arguments, struct setup *out)
     return bench_options(count, arguments, help, option, &out->scene, &out->json);
 }
 
-static double seconds(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 /* Memory of this process that is there, bytes. */
 static double resident(void)
 {
@@ -67,7 +59,7 @@ static bool measure(const struct setup *setup, int turn, double figure[FIGURES][
     const struct rnd_render_options options = {
         .width = setup->width, .height = setup->width / 2, .distribution = rnd_distribution_find("od")};
     struct rnd_scene *scene = rnd_scene_load(&setup->scene, error);
-    const double start = seconds();
+    const double start = bench_seconds(CLOCK_MONOTONIC);
     struct rnd_render *render = scene ? rnd_render_create(scene, &options, error) : NULL;
     struct rnd_batch batch;
     if (render) {
@@ -75,7 +67,7 @@ static bool measure(const struct setup *setup, int turn, double figure[FIGURES][
         rnd_render_outline(render, &aim, 0, &batch);
         figure[READ][turn] = out_info->read_seconds;
         figure[BUILD][turn] = out_info->build_seconds;
-        figure[OUTLINE][turn] = seconds() - start;
+        figure[OUTLINE][turn] = bench_seconds(CLOCK_MONOTONIC) - start;
         figure[AFTER_READ][turn] = figure[BUILD][turn] + figure[OUTLINE][turn];
         enum rnd_textures textures;
         while ((textures = rnd_scene_take_textures(scene, error)) == RND_TEXTURES_READING)
@@ -83,7 +75,7 @@ static bool measure(const struct setup *setup, int turn, double figure[FIGURES][
         if (textures == RND_TEXTURES_BROKEN) exit((fprintf(stderr, "fovea-bench: %s\n", error), 1));
         rnd_render_restart(render, scene, out_info->eye);
         rnd_render_outline(render, &aim, 0, &batch);
-        figure[TEXTURED][turn] = figure[BUILD][turn] + seconds() - start;
+        figure[TEXTURED][turn] = figure[BUILD][turn] + bench_seconds(CLOCK_MONOTONIC) - start;
         *out_info = *rnd_scene_info(scene);
         rnd_render_destroy(render);
         const double before = resident();

@@ -10,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum { MAX_TURNS = 99 };
 
@@ -79,13 +78,6 @@ static struct rnd_render *create(const struct rnd_scene *scene, const struct set
     return render;
 }
 
-static double processor_seconds(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 /* Batches, and now and then the rays of one again: what slows the machine down for a moment slows both. */
 static void measure(struct rnd_render *render, int threads, const struct setup *setup,
                     const struct rnd_aim *aim, int turn, struct figures *to)
@@ -95,7 +87,7 @@ static void measure(struct rnd_render *render, int threads, const struct setup *
     double played = 0, replayed = 0;
     struct rnd_batch batch;
     while (seconds < setup->seconds) {
-        const double start = processor_seconds();
+        const double start = bench_seconds(CLOCK_PROCESS_CPUTIME_ID);
         for (int i = 0; i < BETWEEN; i++) {
             rnd_render_batch(render, aim, 0, (uint32_t)setup->batch, &batch);
             seconds += batch.seconds;
@@ -108,7 +100,7 @@ static void measure(struct rnd_render *render, int threads, const struct setup *
             part[3] += batch.scatter_seconds;
             part[4] += batch.film_seconds;
         }
-        processor += processor_seconds() - start;
+        processor += bench_seconds(CLOCK_PROCESS_CPUTIME_ID) - start;
         double again;
         rnd_render_retrace(render, aim, (uint32_t)setup->batch, &batch, &again);
         if (again < 0) exit((fprintf(stderr, "fovea-bench: not enough memory to keep the rays\n"), 1));
