@@ -104,15 +104,23 @@ static const struct rnd_instance *look_down(const struct rnd_scene *scene, float
     return instance;
 }
 
+enum { MANY = 1200 };
+
+/* The parts of a mesh that is the square over and over: large enough to be shared by its instances. */
+static const struct files_part *square_many_times(void)
+{
+    static uint16_t many[6 * MANY];
+    static struct files_part parts[] = {FILES_SQUARE};
+    for (int i = 0; i < 6 * MANY; i++) many[i] = files_two[i % 6];
+    parts[2] =
+        (struct files_part){many, sizeof many, "\"componentType\":5123,\"count\":7200,\"type\":\"SCALAR\""};
+    return parts;
+}
+
 static void instances(void **state)
 {
     (void)state;
-    enum { MANY = 1200 };
-    static uint16_t many[6 * MANY];
-    for (int i = 0; i < 6 * MANY; i++) many[i] = files_two[i % 6];
-    struct files_part parts[] = {FILES_SQUARE};
-    parts[2] =
-        (struct files_part){many, sizeof many, "\"componentType\":5123,\"count\":7200,\"type\":\"SCALAR\""};
+    const struct files_part *parts = square_many_times();
     static const char nodes[] =
         "{\"children\":[1,2,3,4]},{\"mesh\":0,\"translation\":[0,1,0]},{\"mesh\":0,\"translation\":[10,2,0],"
         "\"scale\":[-2,1,1]},{\"mesh\":0,\"translation\":[20,3,0],\"rotation\":[1,0,0,0]},"
@@ -155,12 +163,7 @@ static void instances(void **state)
 static void instances_shaded(void **state)
 {
     (void)state;
-    enum { MANY = 1200 };
-    static uint16_t many[6 * MANY];
-    for (int i = 0; i < 6 * MANY; i++) many[i] = files_two[i % 6];
-    struct files_part parts[] = {FILES_SQUARE};
-    parts[2] =
-        (struct files_part){many, sizeof many, "\"componentType\":5123,\"count\":7200,\"type\":\"SCALAR\""};
+    const struct files_part *parts = square_many_times();
     static const char grey[] =
         "{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorFactor\":[0.5,0.5,0.5,1]},"
         "\"extensions\":{\"KHR_materials_specular\":{\"specularFactor\":0}}}",
