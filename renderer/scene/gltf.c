@@ -65,7 +65,8 @@ const json_t *rnd_gltf_at(const struct rnd_gltf *gltf, const char *list, const j
     return i < 0 ? NULL : json_array_get(json_object_get(gltf->root, list), (size_t)i);
 }
 
-const json_t *rnd_gltf_roots(const struct rnd_gltf *gltf)
+/* The nodes of the scene that is shown. */
+static const json_t *roots_of(const struct rnd_gltf *gltf)
 {
     const json_t *first = json_object_get(gltf->root, "scene");
     const json_t *scene = json_is_integer(first) ? rnd_gltf_at(gltf, "scenes", first)
@@ -94,7 +95,7 @@ static bool check_nodes(struct rnd_gltf *gltf)
     char what[100];
     if (!parents) return rnd_gltf_fail(gltf, "not enough memory");
     for (json_int_t i = 0; i < count; i++) parents[i] = -1;
-    bool ok = adopt(rnd_gltf_roots(gltf), count, parents, count, &bad);
+    bool ok = adopt(roots_of(gltf), count, parents, count, &bad);
     for (json_int_t i = 0; ok && i < count; i++)
         ok = adopt(json_object_get(json_array_get(nodes, (size_t)i), "children"), i, parents, count, &bad);
     if (!ok) {

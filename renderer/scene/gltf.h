@@ -6,6 +6,7 @@
 #define FOVEAD_RENDERER_GLTF_H
 
 #include "renderer.h"
+#include "scene/light.h"
 
 #include <assimp/scene.h>
 #include <jansson.h>
@@ -40,13 +41,12 @@ bool rnd_gltf_fail(struct rnd_gltf *gltf, const char *what);
 /* list[index] of the root, or NULL if the index is no integer or there is none such. */
 const json_t *rnd_gltf_at(const struct rnd_gltf *gltf, const char *list, const json_t *index);
 const json_t *rnd_gltf_extension(const json_t *object, const char *name);
-/* The nodes of the scene that is shown. */
-const json_t *rnd_gltf_roots(const struct rnd_gltf *gltf);
 
 /* --- gltf_assimp.c --- */
 
-/* The file as assimp imports it, but with materials that are only names: their indices in the file. NULL with
- * the cause in aiGetErrorString(). The caller frees with aiReleaseImport(). */
+/* The file as assimp imports it, without cameras and lights, and with materials that are only names. Names of
+ * materials and nodes are their indices in the file. NULL with the cause in aiGetErrorString(). The caller
+ * frees with aiReleaseImport(). */
 const struct aiScene *rnd_gltf_import(struct rnd_gltf *gltf, unsigned flags);
 
 /* --- gltf_bytes.c --- */
@@ -72,5 +72,8 @@ bool rnd_gltf_first_frame(struct rnd_gltf *gltf);
  * frees. False and a line in gltf->error. */
 bool rnd_gltf_node_instances(struct rnd_gltf *gltf, const json_t *node, struct rnd_pose **out_pose,
                              size_t *out_count);
+/* The light of KHR_lights_punctual at a node, all but where it is and shines; *out_any: is there one? False
+ * and a line in gltf->error. */
+bool rnd_gltf_node_light(struct rnd_gltf *gltf, const json_t *node, struct rnd_punctual *out, bool *out_any);
 
 #endif

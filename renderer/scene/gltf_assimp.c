@@ -1,9 +1,9 @@
-/* A glTF file as assimp gets to see it: its geometry, nodes, cameras and lights, and materials that are
- * numbers.
+/* A glTF file as assimp gets to see it: its geometry and nodes, and materials that are numbers.
  *
  * assimp 5.2.5 aborts on JSON whose types are wrong in places that it is not needed for (materials, textures,
- * animations), and renumbers materials. So it is given a copy of the JSON without those, through its file
- * callbacks; all other bytes come from the files as they are.
+ * animations), renumbers materials, and leaves a light or camera at the last of the nodes that it is at. So
+ * it is given a copy of the JSON without those, through its file callbacks; all other bytes come from the
+ * files as they are.
  */
 #include "scene/gltf.h"
 
@@ -31,14 +31,22 @@ static void keep_extension(json_t *to, const json_t *from, const char *name)
     if (extension) json_object_set_new(to, "extensions", json_pack("{s:O}", name, extension));
 }
 
+/* What has its place in a list for a name. */
+static void name_by_place(json_t *to, size_t place)
+{
+    char name[24];
+    snprintf(name, sizeof name, "%zu", place);
+    json_object_set_new(to, "name", json_string(name));
+}
+
 static json_t *slim_nodes(const json_t *nodes)
 {
-    static const char *const keys[] = {"name",        "children", "mesh",  "camera", "matrix",
-                                       "translation", "rotation", "scale", NULL};
+    static const char *const keys[] = {"children", "mesh",  "matrix", "translation",
+                                       "rotation", "scale", NULL};
     json_t *list = json_array();
     for (size_t i = 0; i < json_array_size(nodes); i++) {
         json_t *to = pick(json_array_get(nodes, i), keys);
-        keep_extension(to, json_array_get(nodes, i), "KHR_lights_punctual");
+        name_by_place(to, i);
         json_array_append_new(list, to);
     }
     return list;
@@ -63,14 +71,14 @@ static json_t *slim_meshes(const json_t *meshes)
     return list;
 }
 
-/* Materials whose names are their places in the list: rnd_gltf_materials() knows them by that. */
+/* Materials of which only that is left: rnd_gltf_materials() knows them by it. */
 static json_t *numbered(size_t count)
 {
     json_t *list = json_array();
-    char name[24];
     for (size_t i = 0; i < count; i++) {
-        snprintf(name, sizeof name, "%zu", i);
-        json_array_append_new(list, json_pack("{s:s}", "name", name));
+        json_t *to = json_object();
+        name_by_place(to, i);
+        json_array_append_new(list, to);
     }
     return list;
 }
@@ -78,15 +86,13 @@ static json_t *numbered(size_t count)
 /* The text that assimp gets, padded to a multiple of four bytes. The caller frees. */
 static char *slim_text(const json_t *root, size_t *out_length)
 {
-    static const char *const keys[] = {"asset",       "scene",   "scenes",  "accessors",
-                                       "bufferViews", "buffers", "cameras", NULL};
+    static const char *const keys[] = {"asset",       "scene",   "scenes", "accessors",
+                                       "bufferViews", "buffers", NULL};
     json_t *slim = pick(root, keys);
     json_object_set_new(slim, "nodes", slim_nodes(json_object_get(root, "nodes")));
     json_object_set_new(slim, "meshes", slim_meshes(json_object_get(root, "meshes")));
     json_object_set_new(slim, "materials", numbered(json_array_size(json_object_get(root, "materials"))));
-    json_object_set_new(slim, "extensionsUsed",
-                        json_pack("[ss]", "KHR_lights_punctual", "KHR_draco_mesh_compression"));
-    keep_extension(slim, root, "KHR_lights_punctual");
+    json_object_set_new(slim, "extensionsUsed", json_pack("[s]", "KHR_draco_mesh_compression"));
     char *text = json_dumps(slim, JSON_COMPACT);
     json_decref(slim);
     if (!text) return NULL;

@@ -1,5 +1,5 @@
 /* Where glTF nodes are: at the first key of the first animation, and many times over by
- * EXT_mesh_gpu_instancing.
+ * EXT_mesh_gpu_instancing; and the lights at them.
  */
 #include "scene/gltf.h"
 
@@ -140,4 +140,44 @@ fail:
     *out_pose = NULL;
     *out_count = 0;
     return false;
+}
+
+/* A number that is not negative; false if it is there and is not that. */
+static bool read_amount(const json_t *object, const char *key, float *out)
+{
+    const json_t *value = json_object_get(object, key);
+    if (value) *out = json_is_number(value) ? (float)json_number_value(value) : -1.0f;
+    return *out >= 0.0f && isfinite(*out);
+}
+
+bool rnd_gltf_node_light(struct rnd_gltf *gltf, const json_t *node, struct rnd_punctual *out, bool *out_any)
+{
+    static const char extension[] = "KHR_lights_punctual";
+    const json_t *index = json_object_get(rnd_gltf_extension(node, extension), "light"),
+                 *lights = json_object_get(rnd_gltf_extension(gltf->root, extension), "lights"),
+                 *light = json_is_integer(index) ? json_array_get(lights, (size_t)json_integer_value(index))
+                                                 : NULL,
+                 *spot = json_object_get(light, "spot");
+    const char *type = json_string_value(json_object_get(light, "type"));
+    float intensity = 1.0f, colour[3] = {1.0f, 1.0f, 1.0f}, inner = 0.0f, outer = (float)M_PI / 4.0f;
+    if (!(*out_any = index != NULL)) return true;
+    if (!light) return rnd_gltf_fail(gltf, "a node has a light that is not there");
+    if (!type ||
+        (strcmp(type, "point") != 0 && strcmp(type, "spot") != 0 && strcmp(type, "directional") != 0))
+        return rnd_gltf_fail(gltf, "a light's type: expected point, spot or directional");
+    read_array(light, "color", 3, colour);
+    if (!read_amount(light, "intensity", &intensity) || !read_amount(spot, "innerConeAngle", &inner) ||
+        !read_amount(spot, "outerConeAngle", &outer))
+        return rnd_gltf_fail(gltf, "a light's intensity and angles: expected finite numbers, none negative");
+    for (int c = 0; c < 3; c++)
+        if (!(colour[c] >= 0.0f && isfinite(colour[c] * intensity)))
+            return rnd_gltf_fail(gltf, "a light's color: expected finite numbers, none negative");
+    *out = (struct rnd_punctual){
+        .kind = type[0] == 'p'   ? RND_POINT
+                : type[0] == 's' ? RND_SPOT
+                                 : RND_DIRECTIONAL,
+        .intensity = rnd_v3(colour[0] * intensity, colour[1] * intensity, colour[2] * intensity),
+        .cos_inner = cosf(inner),
+        .cos_outer = cosf(outer)};
+    return true;
 }

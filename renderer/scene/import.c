@@ -38,6 +38,7 @@ struct import {
     struct use *use;              /* of the file's meshes */
     uint64_t triangles, vertices; /* that are stored */
     bool has_eye;
+    uint32_t most_lights; /* that there is room for */
     char *error;
 };
 
@@ -342,89 +343,94 @@ static bool read_node_meshes(struct import *in, const struct aiNode *node, const
     return ok;
 }
 
-static void read_camera(struct import *in, const struct aiNode *node, const struct aiMatrix4x4 *world)
+/* The eye is at the first camera. */
+static void see_from(struct import *in, const struct aiMatrix4x4 *world, struct aiVector3D position)
 {
-    for (unsigned i = 0; !in->has_eye && i < in->file->mNumCameras; i++) {
-        const struct aiCamera *camera = in->file->mCameras[i];
-        if (strcmp(camera->mName.data, node->mName.data) != 0) continue;
-        /* assimp repeats a glTF node's translation in its camera, which has no position of its own. */
-        const struct aiVector3D origin = {0, 0, 0};
-        const vec3s p = transform(world, in->gltf.root ? &origin : &camera->mPosition, 1.0f);
-        memcpy(in->scene->info.eye, p.raw, sizeof p);
-        in->has_eye = isfinite(p.x) && isfinite(p.y) && isfinite(p.z);
-    }
+    const vec3s p = transform(world, &position, 1.0f);
+    memcpy(in->scene->info.eye, p.raw, sizeof p);
+    in->has_eye = isfinite(p.x) && isfinite(p.y) && isfinite(p.z);
 }
 
-static bool read_lights(struct import *in, const struct aiNode *node, const struct aiMatrix4x4 *world)
+static bool add_light(struct import *in, struct rnd_punctual light, const struct aiMatrix4x4 *world,
+                      struct aiVector3D position, struct aiVector3D direction)
 {
     struct rnd_lights *lights = &in->scene->lights;
+    if (lights->punctual_count == in->most_lights) return fail(in, "two nodes share a light");
+    light.position = v3_of(transform(world, &position, 1.0f));
+    light.direction = v3_of(glms_vec3_normalize(transform(world, &direction, 0.0f)));
+    lights->punctual[lights->punctual_count++] = light;
+    return true;
+}
+
+/* Cameras and lights that assimp found at the node. */
+static bool read_named(struct import *in, const struct aiNode *node, const struct aiMatrix4x4 *world)
+{
+    for (unsigned i = 0; !in->has_eye && i < in->file->mNumCameras; i++)
+        if (strcmp(in->file->mCameras[i]->mName.data, node->mName.data) == 0)
+            see_from(in, world, in->file->mCameras[i]->mPosition);
     for (unsigned i = 0; i < in->file->mNumLights; i++) {
-        const struct aiLight *light = in->file->mLights[i];
-        if (strcmp(light->mName.data, node->mName.data) != 0) continue;
-        struct rnd_punctual *to = &lights->punctual[lights->punctual_count];
-        const bool spot = light->mType == aiLightSource_SPOT, sun = light->mType == aiLightSource_DIRECTIONAL;
-        if (!spot && !sun && light->mType != aiLightSource_POINT) continue;
-        if (lights->punctual_count == in->file->mNumLights) return fail(in, "two nodes share a light");
-        *to = (struct rnd_punctual){.kind = sun    ? RND_DIRECTIONAL
-                                            : spot ? RND_SPOT
-                                                   : RND_POINT,
-                                    .position = v3_of(transform(world, &light->mPosition, 1.0f)),
-                                    .direction = v3_of(
-                                        glms_vec3_normalize(transform(world, &light->mDirection, 0.0f))),
-                                    .cos_inner = cosf(light->mAngleInnerCone),
-                                    .cos_outer = cosf(light->mAngleOuterCone)};
-        to->intensity = rnd_v3(light->mColorDiffuse.r, light->mColorDiffuse.g, light->mColorDiffuse.b);
-        lights->punctual_count++;
+        const struct aiLight *from = in->file->mLights[i];
+        if (strcmp(from->mName.data, node->mName.data) != 0) continue;
+        const bool spot = from->mType == aiLightSource_SPOT, sun = from->mType == aiLightSource_DIRECTIONAL;
+        if (!spot && !sun && from->mType != aiLightSource_POINT) continue;
+        const struct rnd_punctual light = {
+            .kind = sun    ? RND_DIRECTIONAL
+                    : spot ? RND_SPOT
+                           : RND_POINT,
+            .intensity = rnd_v3(from->mColorDiffuse.r, from->mColorDiffuse.g, from->mColorDiffuse.b),
+            .cos_inner = cosf(from->mAngleInnerCone),
+            .cos_outer = cosf(from->mAngleOuterCone)};
+        if (!add_light(in, light, world, from->mPosition, from->mDirection)) return false;
     }
     return true;
 }
 
-/* The JSON's k-th node of a list, if assimp's node can be that. */
-static const json_t *json_node(const struct import *in, const json_t *list, size_t k,
-                               const struct aiNode *node, size_t *out_index)
+/* Those of a glTF node: both look along its -Z. */
+static bool read_gltf(struct import *in, const json_t *json, const struct aiMatrix4x4 *world)
 {
-    const json_t *index = json_array_get(list, k), *json = rnd_gltf_at(&in->gltf, "nodes", index);
-    const char *name = json_string_value(json_object_get(json, "name"));
-    if (!json || (name && *name && strcmp(name, node->mName.data) != 0)) return NULL;
-    *out_index = (size_t)json_integer_value(index);
-    return json;
+    const struct aiVector3D origin = {0, 0, 0}, ahead = {0, 0, -1};
+    struct rnd_punctual light;
+    bool any;
+    if (!in->has_eye && rnd_gltf_at(&in->gltf, "cameras", json_object_get(json, "camera")))
+        see_from(in, world, origin);
+    if (!rnd_gltf_node_light(&in->gltf, json, &light, &any)) return false;
+    return !any || add_light(in, light, world, origin, ahead);
 }
 
-/* A node and those below it. Assimp's tree follows the JSON's node by node: list[k] is this one. */
+/* The node in the JSON, whose index its name is. NULL for the root that assimp puts above several. */
+static const json_t *json_node(const struct import *in, const struct aiNode *node, size_t *out_index)
+{
+    char *end;
+    if (!in->gltf.root) return NULL;
+    *out_index = strtoul(node->mName.data, &end, 10);
+    return *end || end == node->mName.data
+               ? NULL
+               : json_array_get(json_object_get(in->gltf.root, "nodes"), *out_index);
+}
+
+/* A node and those below it. */
 static bool read_node(struct import *in, const struct aiNode *node, const struct aiMatrix4x4 *parent,
-                      const json_t *list, size_t k, int depth, bool counting)
+                      int depth, bool counting)
 {
     struct aiMatrix4x4 world = *parent;
     size_t index;
-    const json_t *json = list ? json_node(in, list, k, node, &index) : NULL;
+    const json_t *json = json_node(in, node, &index);
     if (depth > RND_NODE_DEPTH) return fail(in, "nodes are nested more than 256 deep");
     const struct aiMatrix4x4 local =
         json && in->gltf.moved[index] ? pose_matrix(&in->gltf.pose[index]) : node->mTransformation;
     aiMultiplyMatrix4(&world, &local);
     if (!read_node_meshes(in, node, &world, json, counting)) return false;
-    if (!counting) {
-        read_camera(in, node, &world);
-        if (!read_lights(in, node, &world)) return false;
-    }
-    const json_t *children = json_object_get(json, "children");
-    if (json_array_size(children) != node->mNumChildren) children = NULL;
+    if (!counting && !(json ? read_gltf(in, json, &world) : read_named(in, node, &world))) return false;
     for (unsigned i = 0; i < node->mNumChildren; i++)
-        if (!read_node(in, node->mChildren[i], &world, children, i, depth + 1, counting)) return false;
+        if (!read_node(in, node->mChildren[i], &world, depth + 1, counting)) return false;
     return true;
 }
 
 static bool read_nodes(struct import *in, bool counting)
 {
-    const struct aiNode *root = in->file->mRootNode;
-    const json_t *roots = in->gltf.root ? rnd_gltf_roots(&in->gltf) : NULL;
     struct aiMatrix4x4 identity;
     aiIdentityMatrix4(&identity);
-    if (json_array_size(roots) <= 1) return read_node(in, root, &identity, roots, 0, 0, counting);
-    /* of several, assimp's root is the parent that they lack in the file */
-    if (json_array_size(roots) != root->mNumChildren) roots = NULL;
-    for (unsigned i = 0; i < root->mNumChildren; i++)
-        if (!read_node(in, root->mChildren[i], &identity, roots, i, 0, counting)) return false;
-    return true;
+    return read_node(in, in->file->mRootNode, &identity, 0, counting);
 }
 
 /* --- the file --- */
@@ -455,7 +461,9 @@ static bool read_scene(struct import *in)
         scene->info.bounds[0][k] = INFINITY;
         scene->info.bounds[1][k] = -INFINITY;
     }
-    scene->lights.punctual = calloc(in->file->mNumLights + 1, sizeof *scene->lights.punctual);
+    in->most_lights =
+        (uint32_t)json_array_size(json_object_get(in->gltf.root, "nodes")) + in->file->mNumLights;
+    scene->lights.punctual = calloc(in->most_lights + 1, sizeof *scene->lights.punctual);
     in->use = calloc(in->file->mNumMeshes + 1, sizeof *in->use);
     if (!scene->lights.punctual || !in->use) return fail(in, "not enough memory");
     if (!read_materials(in) || !read_nodes(in, true)) return false;

@@ -217,12 +217,54 @@ static void blender_instances(void **state)
     rnd_scene_destroy(scene);
 }
 
+/* Nodes of the same name that share a light and a camera: each has its own, and the eye is at the first. */
+static void shared_light(void **state)
+{
+    (void)state;
+    static const char nodes[] =
+        "{\"mesh\":0,\"children\":[1,2]},"
+        "{\"name\":\"lamp\",\"translation\":[1,2,3],\"camera\":0,"
+        "\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}},"
+        "{\"name\":\"lamp\",\"translation\":[4,5,6],\"rotation\":[1,0,0,0],\"camera\":0,"
+        "\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}";
+    static const char *const lights[] = {
+        "{\"type\":\"spot\",\"intensity\":2,\"color\":[1,0.5,0.25],\"spot\":{\"outerConeAngle\":1.5}}", "",
+        "{\"type\":\"lamp\"}", "{\"type\":\"point\",\"intensity\":-1}",
+        "{\"type\":\"point\",\"color\":[1,1e99,1]}"};
+    static const char *const wrong[] = {NULL, "light that is not there", "expected point, spot",
+                                        "none negative", "none negative"};
+    for (size_t i = 0; i < sizeof lights / sizeof *lights; i++) {
+        char more[400], error[RND_ERROR_SIZE] = "";
+        snprintf(more, sizeof more,
+                 ",\"cameras\":[{\"type\":\"perspective\"}],"
+                 "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[%s]}}",
+                 lights[i]);
+        const struct rnd_scene_options options = {.path = files_gltf("lamps.gltf", 1, nodes, "{}", more)};
+        struct rnd_scene *scene = rnd_scene_load(&options, error);
+        if (wrong[i]) {
+            assert_null(scene);
+            if (!strstr(error, wrong[i])) fail_msg("%s: expected %s", error, wrong[i]);
+            continue;
+        }
+        if (!scene) fail_msg("%s", error);
+        const struct rnd_punctual *at = scene->lights.punctual;
+        assert_int_equal(rnd_scene_info(scene)->punctual_lights, 2);
+        NEAR(at[0].position.x, 1), NEAR(at[1].position.x, 4), NEAR(at[1].position.z, 6);
+        NEAR(at[0].direction.z, -1), NEAR(at[1].direction.z, 1);
+        NEAR(at[1].intensity.x, 2), NEAR(at[1].intensity.z, 0.5f);
+        NEAR(at[0].cos_inner, 1), NEAR(at[0].cos_outer, cosf(1.5f));
+        NEAR(rnd_scene_info(scene)->eye[1], 2);
+        rnd_scene_destroy(scene);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(colours_and_sets), cmocka_unit_test(first_frame),
         cmocka_unit_test(instances),        cmocka_unit_test(instances_shaded),
         cmocka_unit_test(gpu_instances),    cmocka_unit_test(blender_instances),
+        cmocka_unit_test(shared_light),
     };
     return cmocka_run_group_tests_name("renderer_nodes_import", tests, files_setup, files_teardown);
 }
