@@ -181,16 +181,14 @@ static bool reserve(struct rnd_render *render, uint32_t paths)
     return ok;
 }
 
-/* Until the lights have been surveyed, which the first picture does not wait for: every group as often. */
+/* Until the lights have been surveyed, which the first picture does not wait for. */
 static void choose_evenly(struct rnd_render *render)
 {
     const struct rnd_lights *lights = &render->scene->lights;
-    struct rnd_light_choice *choice = &render->choice;
-    float groups = 0.0f;
-    for (int g = 0; g < RND_LIGHT_GROUPS; g++) groups += lights->has[g];
-    for (int g = 0; g < RND_LIGHT_GROUPS; g++) choice->group[g] = lights->has[g] ? 1.0f / groups : 0.0f;
-    if (lights->env) choice->env = lights->env->by_weight;
-    render->surveyed = groups < 2.0f && !lights->env;
+    int many = lights->env ? 2 : 0; /* its regions */
+    for (int g = 0; g < RND_LIGHT_GROUPS; g++) many += lights->has[g] + (lights->lamps[g].by_power.count > 1);
+    rnd_light_choose_evenly(lights, &render->choice);
+    render->surveyed = many < 2;
 }
 
 static void survey(struct rnd_render *render)
@@ -332,6 +330,7 @@ void rnd_render_destroy(struct rnd_render *render)
     free(render->run_of);
     free(render->run);
     free(render->start);
+    rnd_light_choice_finish(&render->choice);
     rnd_film_finish(&render->film);
     pthread_mutex_destroy(&render->whole);
     free(render);

@@ -1,5 +1,5 @@
 /* Next-event estimation, first half: a light is chosen for every point, from groups as often as the survey
- * found worth while, and within a group by power. */
+ * found worth while, and one of the group in the same way. */
 #include "path/wave.h"
 
 /* Sort the points into the groups' lists, and note for each its group and where in the list it is; what is
@@ -47,7 +47,7 @@ static void choose_groups(struct rnd_tracer *tracer, uint32_t count, uint32_t nu
 static void draw_areas(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count, uint32_t *out_area)
 {
     const struct rnd_lights *lights = &tracer->scene->lights;
-    const struct rnd_alias *alias = &lights->area_alias;
+    const struct rnd_alias *alias = tracer->choice->lamps[RND_LIGHT_AREA];
     float(*u)[RND_WAVE] = tracer->number;
     for (uint32_t k = 0; k < count; k++) {
         float part;
@@ -59,6 +59,7 @@ static void draw_areas(struct rnd_tracer *tracer, const uint32_t *list, uint32_t
         const struct rnd_alias_entry *entry = &alias->entry[out_area[k]];
         if (!(u[0][list[k]] < entry->keep)) out_area[k] = entry->other;
         __builtin_prefetch(&lights->area[out_area[k]]);
+        __builtin_prefetch(&alias->probability[out_area[k]]);
     }
 }
 
@@ -140,6 +141,7 @@ static void choose_area(struct rnd_tracer *tracer, const uint32_t *list, uint32_
     const struct rnd_lights *lights = &tracer->scene->lights;
     struct rnd_light_choices *to = &tracer->chosen;
     struct rnd_areas *areas = &tracer->areas;
+    const struct rnd_alias *alias = tracer->choice->lamps[RND_LIGHT_AREA];
     uint32_t *entry = tracer->order;
     draw_areas(tracer, list, count, entry);
     for (uint32_t k = 0; k < count; k++) {
@@ -148,7 +150,7 @@ static void choose_area(struct rnd_tracer *tracer, const uint32_t *list, uint32_
         rnd_put(&areas->e1, k, area->e1);
         rnd_put(&areas->e2, k, area->e2);
         rnd_put(&to->radiance, first + k, area->emission);
-        areas->probability[k] = area->probability;
+        areas->probability[k] = alias->probability[entry[k]];
         areas->flags[k] = area->flags;
     }
     const float choose = tracer->choice->group[RND_LIGHT_AREA];
@@ -158,13 +160,12 @@ static void choose_area(struct rnd_tracer *tracer, const uint32_t *list, uint32_
         const struct rnd_area area = {.corner = rnd_get(&areas->corner, k),
                                       .e1 = rnd_get(&areas->e1, k),
                                       .e2 = rnd_get(&areas->e2, k),
-                                      .probability = areas->probability[k],
                                       .flags = areas->flags[k]};
         struct rnd_v3 direction;
         float distance, s, t;
         to->pdf[first + k] =
-            choose * rnd_area_draw(&area, rnd_get(&tracer->paths[1].origin, j), tracer->number[2][j],
-                                   tracer->number[3][j], &direction, &distance, &s, &t);
+            choose * rnd_area_draw(&area, areas->probability[k], rnd_get(&tracer->paths[1].origin, j),
+                                   tracer->number[2][j], tracer->number[3][j], &direction, &distance, &s, &t);
         to->distance[first + k] = distance;
         to->delta[first + k] = 0;
         rnd_put(&to->direction, first + k, direction);
@@ -188,8 +189,8 @@ static void choose_punctual(struct rnd_tracer *tracer, const uint32_t *list, uin
         const float number[4] = {u[0][j], u[1][j], u[2][j], u[3][j]};
         struct rnd_light_sample light;
         to->pdf[first + k] = 0.0f;
-        if (!rnd_light_draw(tracer->scene, RND_LIGHT_PUNCTUAL, rnd_get(&tracer->paths[1].origin, j), number,
-                            &light))
+        if (!rnd_light_draw(tracer->scene, tracer->choice, RND_LIGHT_PUNCTUAL,
+                            rnd_get(&tracer->paths[1].origin, j), number, &light))
             continue;
         rnd_put(&to->direction, first + k, light.direction);
         rnd_put(&to->radiance, first + k, light.radiance);

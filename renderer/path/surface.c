@@ -437,17 +437,20 @@ void ISA(rnd_emission)(struct rnd_tracer *tracer, uint32_t count)
     const struct rnd_lights *lights = &scene->lights;
     const struct rnd_paths *paths = &tracer->paths[1];
     const struct rnd_surfaces *s = &tracer->surfaces;
-    if (lights->area_count == 0) return;
+    const struct rnd_alias *alias = tracer->choice->lamps[RND_LIGHT_AREA];
+    if (!lights->has[RND_LIGHT_AREA]) return;
     for (uint32_t j = 0; j < count; j++) {
         const struct rnd_mesh *mesh = &scene->mesh[s->mesh[j]];
         if (mesh->first_light == UINT32_MAX) continue;
-        const struct rnd_area *area = &lights->area[mesh->first_light + s->triangle[j]];
+        const uint32_t lamp = mesh->first_light + s->triangle[j];
+        const struct rnd_area *area = &lights->area[lamp];
         if (!s->front[j] && !(area->flags & RND_AREA_DOUBLE)) continue;
         const struct rnd_v3 direction = rnd_get(&paths->direction, j);
         float weight = 1.0f;
         if (paths->pdf[j] > 0.0f)
-            weight = rnd_power_heuristic(paths->pdf[j], tracer->choice->group[RND_LIGHT_AREA] *
-                                                            rnd_area_pdf(area, direction, s->distance[j]));
+            weight = rnd_power_heuristic(
+                paths->pdf[j], tracer->choice->group[RND_LIGHT_AREA] *
+                                   rnd_area_pdf(area, alias->probability[lamp], direction, s->distance[j]));
         const struct rnd_v3 radiance = rnd_v3_scale(rnd_area_emission(scene, area, s->u[j], s->v[j]), weight);
         add(tracer, paths->id[j], rnd_v3_mul(radiance, rnd_get(&paths->throughput, j)));
     }

@@ -1,29 +1,41 @@
-/* A look around before the work: how much of each group of lights really arrives, and how much from each
- * region of the environment.
+/* A look around before the work: how much of each group of lights really arrives, how much from each region
+ * of the environment and from each part of the lamps.
  *
  * A shading point asks one group for light. The noise is least when each is asked as often as the root mean
  * square of what it then gives (Veach 1997, section 9.2), and that is not its power: most of a sky is hidden
- * from a room. The same holds for the regions of the environment, which a room sees through its windows. A
- * few thousand paths from the eye ask all groups at every point and see. What they find changes the noise and
- * never the mean. */
+ * from a room. The same holds for the regions of the environment, which a room sees through its windows, and
+ * for the lamps of a house, most of which burn in other rooms. A few thousand paths from the eye ask all
+ * groups at every point and see. What they find changes the noise and never the mean. */
 #include "path/shade.h"
 #include "render.h"
 #include "sampler.h"
 
+#include <stdlib.h>
+
 enum { PATHS = 4096, BOUNCES = 3, SEED = 0x5eed };
 
-/* No group is asked less often than this share of an even choice, and no region than this share of the choice
- * by weight: the survey may have missed a place. */
+/* No group is asked less often than this share of an even choice, no region than this share of the choice by
+ * weight, and no lamp than this share of that by power: the survey may have missed a place. */
 #define LEAST_OF_GROUP  0.2f
 #define LEAST_OF_REGION 0.1f
+#define LEAST_OF_LAMP   0.2f
 
 /* What a path found at a step. */
 struct step {
-    float given[RND_LIGHT_GROUPS]; /* luminance that each group gave when asked */
-    /* Of what would come from the environment if it were white: the region that was asked, and the one that
-     * the path then left into; estimates of the same, weighted to be one. */
-    uint32_t asked, left;
+    float given[RND_LIGHT_GROUPS];    /* luminance that each group gave when asked */
+    uint32_t asked[RND_LIGHT_GROUPS]; /* which part of it, or region, was drawn */
+    /* Of what would come from the environment if it were white: from the region that was asked, and from the
+     * one that the path then left into; estimates of the same, weighted to be one. */
+    uint32_t left;
     float arrived, escaped;
+};
+
+struct survey {
+    const struct rnd_scene *scene;
+    const float *eye;
+    int workers;
+    struct rnd_light_choice choice;   /* by which they are asked */
+    struct step step[PATHS][BOUNCES]; /* summed in their order, by one */
 };
 
 static struct RTCRay ray(vec3s origin, vec3s direction, float far)
@@ -40,12 +52,13 @@ static struct RTCRay ray(vec3s origin, vec3s direction, float far)
 
 /* Luminance that a group gives to a surface if it is asked, weighted as the integrator weights it. *out_light
  * is what was drawn, if it gives anything. */
-static float ask(const struct rnd_scene *scene, int group, const struct rnd_surface *surface, vec3s wo,
+static float ask(const struct survey *survey, int group, const struct rnd_surface *surface, vec3s wo,
                  const float u[4], struct rnd_light_sample *out_light)
 {
+    const struct rnd_scene *scene = survey->scene;
     float pdf;
     const vec3s p = surface->position;
-    if (!rnd_light_draw(scene, group, rnd_v3(p.x, p.y, p.z), u, out_light)) return 0.0f;
+    if (!rnd_light_draw(scene, &survey->choice, group, rnd_v3(p.x, p.y, p.z), u, out_light)) return 0.0f;
     const struct rnd_light_sample *light = out_light;
     const vec3s to = {{light->direction.x, light->direction.y, light->direction.z}},
                 radiance = {{light->radiance.x, light->radiance.y, light->radiance.z}};
@@ -73,12 +86,13 @@ static void leave(const struct rnd_env *env, vec3s direction, float pdf, float t
     step->escaped = throughput * (pdf > 0.0f ? rnd_power_heuristic(pdf, other) : 1.0f);
 }
 
-static void walk(const struct rnd_scene *scene, const float eye[3], uint32_t index, struct step step[BOUNCES])
+static void walk(const struct survey *survey, uint32_t index, struct step step[BOUNCES])
 {
+    const struct rnd_scene *scene = survey->scene;
     const struct rnd_env *env = scene->lights.env;
     float u[4], pdf = 0.0f;
     rnd_pair(SEED, 0, index, u);
-    vec3s origin = rnd_vec(eye), direction, throughput = glms_vec3_one();
+    vec3s origin = rnd_vec(survey->eye), direction, throughput = glms_vec3_one();
     rnd_direction(2.0f * (float)M_PI * u[0], asinf(2.0f * u[1] - 1.0f), direction.raw);
     for (uint32_t depth = 0; depth <= BOUNCES; depth++) {
         struct RTCIntersectContext context;
@@ -112,12 +126,11 @@ static void walk(const struct rnd_scene *scene, const float eye[3], uint32_t ind
             if (!scene->lights.has[g]) continue;
             rnd_pair(SEED, 1 + 8 * depth + 2 * (uint32_t)g, index, u);
             rnd_pair(SEED, 2 + 8 * depth + 2 * (uint32_t)g, index, u + 2);
-            const float given = ask(scene, g, &surface, wo, u, &light) * rnd_luminance(throughput.raw);
+            const float given = ask(survey, g, &surface, wo, u, &light) * rnd_luminance(throughput.raw);
+            if (!(given > 0.0f)) continue;
             step[depth].given[g] = given;
-            if (g != RND_LIGHT_ENV || !(given > 0.0f)) continue;
-            const float radiance[3] = {light.radiance.x, light.radiance.y, light.radiance.z};
-            rnd_env_radiance(env, light.direction, &step[depth].asked, &light.pdf);
-            step[depth].arrived = given / rnd_luminance(radiance);
+            step[depth].asked[g] = light.part;
+            if (g == RND_LIGHT_ENV) step[depth].arrived = given / rnd_v3_luminance(light.radiance);
         }
         rnd_pair(SEED, 100 + 2 * depth, index, u);
         rnd_pair(SEED, 101 + 2 * depth, index, u + 2);
@@ -129,20 +142,13 @@ static void walk(const struct rnd_scene *scene, const float eye[3], uint32_t ind
     }
 }
 
-struct survey {
-    const struct rnd_scene *scene;
-    const float *eye;
-    int workers;
-    struct step step[PATHS][BOUNCES]; /* summed in their order, by one */
-};
-
 /* One thread's share of the paths. */
 static void walk_share(void *context, int worker)
 {
     struct survey *survey = context;
     const uint32_t first = (uint32_t)(PATHS * worker / survey->workers),
                    end = (uint32_t)(PATHS * (worker + 1) / survey->workers);
-    for (uint32_t i = first; i < end; i++) walk(survey->scene, survey->eye, i, survey->step[i]);
+    for (uint32_t i = first; i < end; i++) walk(survey, i, survey->step[i]);
 }
 
 /* --- what was found --- */
@@ -178,7 +184,7 @@ static void choose_regions(const struct survey *survey, struct rnd_env_choice *o
     for (int i = 0; i < PATHS; i++)
         for (int k = 0; k < BOUNCES; k++) {
             const struct step *step = &survey->step[i][k];
-            sum[step->asked] += (double)step->arrived;
+            sum[step->asked[RND_LIGHT_ENV]] += (double)step->arrived;
             sum[step->left] += (double)step->escaped;
         }
     for (int i = 0; i < RND_ENV_REGIONS; i++) angle[i] = angle_of(env, &env->region[i]);
@@ -190,7 +196,42 @@ static void choose_regions(const struct survey *survey, struct rnd_env_choice *o
     if (!rnd_env_choose(env, probability, out)) *out = env->by_weight;
 }
 
-static void choose_groups(const struct survey *survey, struct rnd_light_choice *out)
+/* Lamps by power, times the root mean square of what those of their part gave over that power. out_factor is
+ * for each part how much more often it is drawn than by power. */
+static void choose_lamps(const struct survey *survey, int group, struct rnd_light_choice *out,
+                         float out_factor[RND_LIGHT_PARTS])
+{
+    const struct rnd_lamps *lamps = &survey->scene->lights.lamps[group];
+    const struct rnd_alias *by_power = &lamps->by_power;
+    double power[RND_LIGHT_PARTS] = {0}, root[RND_LIGHT_PARTS] = {0}, all = 0.0;
+    for (uint32_t i = 0; i < by_power->count; i++) power[lamps->part[i]] += (double)by_power->probability[i];
+    for (int i = 0; i < PATHS; i++)
+        for (int k = 0; k < BOUNCES; k++) {
+            const struct step *step = &survey->step[i][k];
+            root[step->asked[group]] += (double)step->given[group] * (double)step->given[group];
+        }
+    for (int i = 0; i < RND_LIGHT_PARTS; i++) all += root[i] = sqrt(root[i] * power[i]);
+    for (int i = 0; i < RND_LIGHT_PARTS; i++)
+        out_factor[i] = all > 0.0 && power[i] > 0.0
+                            ? LEAST_OF_LAMP + (1.0f - LEAST_OF_LAMP) * (float)(root[i] / power[i] / all)
+                            : 1.0f;
+    float *probability = malloc(by_power->count * sizeof *probability);
+    struct rnd_alias own = {0};
+    for (uint32_t i = 0; probability && i < by_power->count; i++)
+        probability[i] = by_power->probability[i] * out_factor[lamps->part[i]];
+    if (probability && rnd_alias_init(&own, probability, by_power->count)) {
+        rnd_alias_finish(&out->own[group]);
+        out->own[group] = own;
+        out->lamps[group] = &out->own[group];
+    } else { /* memory is short: as before */
+        for (int i = 0; i < RND_LIGHT_PARTS; i++) out_factor[i] = 1.0f;
+    }
+    free(probability);
+}
+
+/* factor: for each part of a group, how much more often it is drawn than the survey drew it. */
+static void choose_groups(const struct survey *survey, const float *factor[RND_LIGHT_GROUPS],
+                          struct rnd_light_choice *out)
 {
     const bool *has = survey->scene->lights.has;
     double root[RND_LIGHT_GROUPS] = {0}, sum = 0.0;
@@ -201,9 +242,8 @@ static void choose_groups(const struct survey *survey, struct rnd_light_choice *
             for (int k = 0; k < BOUNCES; k++) {
                 const struct step *step = &survey->step[i][k];
                 const double square = (double)step->given[g] * (double)step->given[g];
-                /* drawn more often, a region gives less each time */
-                path += g == RND_LIGHT_ENV && square > 0.0 ? square / (double)out->env.factor[step->asked]
-                                                           : square;
+                /* drawn more often, a part gives less each time */
+                path += factor[g] && square > 0.0 ? square / (double)factor[g][step->asked[g]] : square;
             }
             root[g] += path;
         }
@@ -220,7 +260,14 @@ void rnd_survey_lights(const struct rnd_scene *scene, const float eye[3], struct
                        struct rnd_light_choice *out)
 {
     struct survey survey = {.scene = scene, .eye = eye, .workers = workers};
+    float lamps[RND_LIGHT_GROUPS][RND_LIGHT_PARTS];
+    const float *factor[RND_LIGHT_GROUPS] = {0};
+    rnd_light_choose_evenly(&scene->lights, out);
+    survey.choice = *out;
     rnd_pool_run(pool, walk_share, &survey);
-    if (scene->lights.env) choose_regions(&survey, &out->env);
-    choose_groups(&survey, out);
+    if (scene->lights.env) choose_regions(&survey, &out->env), factor[RND_LIGHT_ENV] = out->env.factor;
+    for (int g = 0; g < RND_LIGHT_GROUPS; g++)
+        if (scene->lights.lamps[g].by_power.count > 1)
+            choose_lamps(&survey, g, out, lamps[g]), factor[g] = lamps[g];
+    choose_groups(&survey, factor, out);
 }

@@ -2,6 +2,7 @@
 #include "scene/light.h"
 #include "scene/scene.h"
 
+#include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -86,6 +87,60 @@ static struct rnd_area make_area(const struct rnd_scene *scene, uint32_t m, uint
                                       (material->double_sided ? RND_AREA_DOUBLE : 0)};
 }
 
+/* A coordinate of a thousand steps, as ten bits with two zeros before each. */
+static uint32_t spread(float coordinate)
+{
+    uint32_t bits = (uint32_t)fminf(fmaxf(coordinate, 0.0f), 1023.0f);
+    bits = (bits | bits << 16) & 0x030000ffu;
+    bits = (bits | bits << 8) & 0x0300f00fu;
+    bits = (bits | bits << 4) & 0x030c30c3u;
+    return (bits | bits << 2) & 0x09249249u;
+}
+
+struct place {
+    uint32_t code, lamp;
+};
+
+static int by_code(const void *a, const void *b)
+{
+    const struct place *x = a, *y = b;
+    return x->code != y->code ? (x->code > y->code) - (x->code < y->code)
+                              : (x->lamp > y->lamp) - (x->lamp < y->lamp);
+}
+
+/* Along a curve that keeps near what is near (Morton 1966), parts of as many lamps and as much power. */
+static void divide(struct place *place, const vec3s *position, uint32_t count, struct rnd_lamps *lamps)
+{
+    vec3s low = glms_vec3_fill(INFINITY), high = glms_vec3_fill(-INFINITY);
+    for (uint32_t i = 0; i < count; i++) {
+        low = glms_vec3_minv(low, position[i]);
+        high = glms_vec3_maxv(high, position[i]);
+    }
+    const float scale = 1023.0f / fmaxf(glms_vec3_max(glms_vec3_sub(high, low)), FLT_MIN);
+    for (uint32_t i = 0; i < count; i++) {
+        const vec3s p = glms_vec3_scale(glms_vec3_sub(position[i], low), scale);
+        place[i] = (struct place){spread(p.x) | spread(p.y) << 1 | spread(p.z) << 2, i};
+    }
+    qsort(place, count, sizeof *place, by_code);
+    double before = 0.0;
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t lamp = place[i].lamp, part = (uint32_t)(before * RND_LIGHT_PARTS);
+        lamps->part[lamp] = (uint16_t)(part < RND_LIGHT_PARTS ? part : RND_LIGHT_PARTS - 1);
+        before += 0.5 * ((double)lamps->by_power.probability[lamp] + 1.0 / count);
+    }
+}
+
+/* False if memory is short. */
+static bool build_lamps(struct rnd_lamps *lamps, const vec3s *position, const float *power, uint32_t count)
+{
+    struct place *place = malloc(count * sizeof *place);
+    lamps->part = malloc(count * sizeof *lamps->part);
+    const bool ok = place && lamps->part && rnd_alias_init(&lamps->by_power, power, count);
+    if (ok) divide(place, position, count, lamps);
+    free(place);
+    return ok;
+}
+
 static bool build_area(struct rnd_scene *scene, double *out_power)
 {
     struct rnd_lights *lights = &scene->lights;
@@ -96,9 +151,10 @@ static bool build_area(struct rnd_scene *scene, double *out_power)
     scene->info.emissive_triangles = count;
     if (count == 0) return true;
 
-    lights->area = aligned_alloc(64, count * sizeof *lights->area);
+    lights->area = malloc(count * sizeof *lights->area);
     float *power = malloc(count * sizeof *power);
-    bool ok = lights->area && power;
+    vec3s *position = malloc(count * sizeof *position);
+    bool ok = lights->area && power && position;
     for (uint32_t m = 0; ok && m < scene->mesh_count; m++) {
         struct rnd_mesh *mesh = &scene->mesh[m];
         if (!emits(&scene->material[mesh->material])) continue;
@@ -108,17 +164,18 @@ static bool build_area(struct rnd_scene *scene, double *out_power)
             *area = make_area(scene, m, t);
             lights->area_textured |= (area->flags & RND_AREA_TEXTURED) != 0;
             power[lights->area_count] = power_of(scene, area);
+            const struct rnd_v3 middle =
+                rnd_v3_muladd(rnd_v3_add(area->e1, area->e2), 1.0f / 3.0f, area->corner);
+            position[lights->area_count] = (vec3s){{middle.x, middle.y, middle.z}};
             sum += power[lights->area_count++];
         }
     }
     lights->has[RND_LIGHT_AREA] = sum > 0.0;
     *out_power = sum;
-    if (ok && sum > 0.0 && isfinite(sum)) {
-        ok = rnd_alias_init(&lights->area_alias, power, lights->area_count);
-        for (uint32_t i = 0; ok && i < lights->area_count; i++)
-            lights->area[i].probability = lights->area_alias.probability[i];
-    }
+    if (ok && sum > 0.0 && isfinite(sum))
+        ok = build_lamps(&lights->lamps[RND_LIGHT_AREA], position, power, lights->area_count);
     free(power);
+    free(position);
     return ok;
 }
 
@@ -129,16 +186,20 @@ static bool build_punctual(struct rnd_scene *scene, double *out_power)
     const float radius =
         0.5f * glms_vec3_distance(rnd_vec(scene->info.bounds[0]), rnd_vec(scene->info.bounds[1]));
     float *power = malloc(lights->punctual_count * sizeof *power), sum = 0.0f;
-    if (!power) return false;
-    for (uint32_t i = 0; i < lights->punctual_count; i++) {
+    vec3s *position = malloc(lights->punctual_count * sizeof *position);
+    bool ok = power && position;
+    for (uint32_t i = 0; ok && i < lights->punctual_count; i++) {
         const struct rnd_punctual *light = &lights->punctual[i];
         const float reach = light->kind == RND_DIRECTIONAL ? radius * radius : 4.0f;
         sum += power[i] = rnd_v3_luminance(light->intensity) * reach * (float)M_PI;
+        position[i] = (vec3s){{light->position.x, light->position.y, light->position.z}};
     }
     lights->has[RND_LIGHT_PUNCTUAL] = sum > 0.0f;
     *out_power = sum;
-    const bool ok = !(sum > 0.0f) || rnd_alias_init(&lights->punctual_alias, power, lights->punctual_count);
+    if (ok && sum > 0.0f && isfinite(sum))
+        ok = build_lamps(&lights->lamps[RND_LIGHT_PUNCTUAL], position, power, lights->punctual_count);
     free(power);
+    free(position);
     return ok;
 }
 
@@ -175,35 +236,56 @@ void rnd_lights_finish(struct rnd_lights *lights)
     free(lights->env);
     free(lights->sun);
     free(lights->area);
-    rnd_alias_finish(&lights->area_alias);
     free(lights->punctual);
-    rnd_alias_finish(&lights->punctual_alias);
+    for (int g = 0; g < RND_LIGHT_GROUPS; g++) {
+        rnd_alias_finish(&lights->lamps[g].by_power);
+        free(lights->lamps[g].part);
+    }
+}
+
+void rnd_light_choose_evenly(const struct rnd_lights *lights, struct rnd_light_choice *choice)
+{
+    float groups = 0.0f;
+    for (int g = 0; g < RND_LIGHT_GROUPS; g++) groups += lights->has[g];
+    for (int g = 0; g < RND_LIGHT_GROUPS; g++) {
+        choice->group[g] = lights->has[g] ? 1.0f / groups : 0.0f;
+        choice->lamps[g] = &lights->lamps[g].by_power;
+    }
+    if (lights->env) choice->env = lights->env->by_weight;
+}
+
+void rnd_light_choice_finish(struct rnd_light_choice *choice)
+{
+    for (int g = 0; g < RND_LIGHT_GROUPS; g++) rnd_alias_finish(&choice->own[g]);
 }
 
 /* --- drawing --- */
 
-static bool draw_area(const struct rnd_scene *scene, struct rnd_v3 point, const float u[4],
-                      struct rnd_light_sample *out)
+static bool draw_area(const struct rnd_scene *scene, const struct rnd_alias *alias, struct rnd_v3 point,
+                      const float u[4], struct rnd_light_sample *out)
 {
-    const struct rnd_lights *lights = &scene->lights;
-    const struct rnd_area *area = &lights->area[rnd_alias_draw(&lights->area_alias, u[1], u[0])];
+    const uint32_t i = rnd_alias_draw(alias, u[1], u[0]);
+    const struct rnd_area *area = &scene->lights.area[i];
     float s, t;
-    out->pdf = rnd_area_draw(area, point, u[2], u[3], &out->direction, &out->distance, &s, &t);
+    out->part = scene->lights.lamps[RND_LIGHT_AREA].part[i];
+    out->pdf = rnd_area_draw(area, alias->probability[i], point, u[2], u[3], &out->direction, &out->distance,
+                             &s, &t);
     out->delta = false;
     if (!(out->pdf > 0.0f)) return false;
     out->radiance = rnd_area_emission(scene, area, s, t);
     return true;
 }
 
-static bool draw_env(const struct rnd_lights *lights, const float u[4], struct rnd_light_sample *out)
+static bool draw_env(const struct rnd_env *env, const struct rnd_env_choice *choice, const float u[4],
+                     struct rnd_light_sample *out)
 {
-    const struct rnd_env *env = lights->env;
     float part, s, t;
     uint32_t region;
-    const uint32_t place = rnd_env_place(env, &env->by_weight, u[1], u[0], &region, &part);
+    const uint32_t place = rnd_env_place(env, choice, u[1], u[0], &region, &part);
     out->direction = rnd_env_direction(env, rnd_env_texel_of(env, region, place, part), u[2], u[3], &s, &t);
     out->distance = INFINITY;
-    out->radiance = rnd_env_radiance(env, out->direction, &region, &out->pdf);
+    out->radiance = rnd_env_radiance(env, out->direction, &out->part, &out->pdf);
+    out->pdf *= choice->factor[out->part];
     out->delta = false;
     return out->pdf > 0.0f;
 }
@@ -215,6 +297,7 @@ static bool draw_sun(const struct rnd_lights *lights, const float u[4], struct r
     out->radiance = sun->radiance;
     out->delta = !(sun->cos_radius < 1.0f);
     out->direction = sun->direction;
+    out->part = 0;
     out->pdf = 1.0f;
     if (out->delta) return true;
     const struct rnd_v3_frame frame = rnd_v3_frame(sun->direction);
@@ -223,12 +306,13 @@ static bool draw_sun(const struct rnd_lights *lights, const float u[4], struct r
     return true;
 }
 
-static bool draw_punctual(const struct rnd_lights *lights, struct rnd_v3 point, const float u[4],
-                          struct rnd_light_sample *out)
+static bool draw_punctual(const struct rnd_lights *lights, const struct rnd_alias *alias, struct rnd_v3 point,
+                          const float u[4], struct rnd_light_sample *out)
 {
-    const uint32_t i = rnd_alias_draw(&lights->punctual_alias, u[1], u[0]);
+    const uint32_t i = rnd_alias_draw(alias, u[1], u[0]);
     const struct rnd_punctual *light = &lights->punctual[i];
-    out->pdf = lights->punctual_alias.probability[i];
+    out->part = lights->lamps[RND_LIGHT_PUNCTUAL].part[i];
+    out->pdf = alias->probability[i];
     out->delta = true;
     out->radiance = light->intensity;
     if (light->kind == RND_DIRECTIONAL) {
@@ -253,17 +337,18 @@ static bool draw_punctual(const struct rnd_lights *lights, struct rnd_v3 point, 
     return falloff > 0.0f;
 }
 
-bool rnd_light_draw(const struct rnd_scene *scene, int group, struct rnd_v3 point, const float u[4],
-                    struct rnd_light_sample *out)
+bool rnd_light_draw(const struct rnd_scene *scene, const struct rnd_light_choice *choice, int group,
+                    struct rnd_v3 point, const float u[4], struct rnd_light_sample *out)
 {
+    const struct rnd_lights *lights = &scene->lights;
     switch (group) {
     case RND_LIGHT_AREA:
-        return draw_area(scene, point, u, out);
+        return draw_area(scene, choice->lamps[group], point, u, out);
     case RND_LIGHT_ENV:
-        return draw_env(&scene->lights, u, out);
+        return draw_env(lights->env, &choice->env, u, out);
     case RND_LIGHT_SUN:
-        return draw_sun(&scene->lights, u, out);
+        return draw_sun(lights, u, out);
     default:
-        return draw_punctual(&scene->lights, point, u, out);
+        return draw_punctual(lights, choice->lamps[group], point, u, out);
     }
 }

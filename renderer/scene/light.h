@@ -1,5 +1,6 @@
 /* Lights of a scene: emissive triangles, environment, sun, punctual lights; drawn one at a time for
- * next-event estimation. A shading point chooses a group, then a light within the group by power. */
+ * next-event estimation. A shading point chooses a group, then a light within the group: by power, or by what
+ * of that is known to arrive (path/survey.c). */
 #ifndef FOVEAD_RENDERER_LIGHT_H
 #define FOVEAD_RENDERER_LIGHT_H
 
@@ -183,11 +184,10 @@ RND_INLINE struct rnd_v3 rnd_sun_draw(const struct rnd_sun *sun, const struct rn
 
 /* --- emissive triangles and punctual lights --- */
 
-/* All that drawing one asks for, in one line of the cache. */
+/* All that drawing one asks for, and no more: so many are looked up all over. */
 struct rnd_area {
     struct rnd_v3 corner, e1, e2;
     struct rnd_v3 emission; /* but for its texture */
-    float probability;      /* of drawing it within the group */
     uint32_t mesh, triangle;
     uint32_t flags; /* RND_AREA_... */
 };
@@ -206,10 +206,11 @@ struct rnd_punctual {
 /* Groups that a shading point chooses between before it chooses a light. */
 enum { RND_LIGHT_AREA, RND_LIGHT_ENV, RND_LIGHT_SUN, RND_LIGHT_PUNCTUAL, RND_LIGHT_GROUPS };
 
-/* How often points ask for which light. */
-struct rnd_light_choice {
-    float group[RND_LIGHT_GROUPS]; /* one in all; never 0 for one that gives light */
-    struct rnd_env_choice env;     /* unused without an environment */
+/* Emissive triangles or punctual lights: a table by power, and parts of them that are near each other. */
+enum { RND_LIGHT_PARTS = 256 };
+struct rnd_lamps {
+    struct rnd_alias by_power;
+    uint16_t *part; /* of each */
 };
 
 struct rnd_lights {
@@ -217,13 +218,24 @@ struct rnd_lights {
     uint32_t area_count;
     bool area_textured; /* some of them are */
     struct rnd_area *area;
-    struct rnd_alias area_alias; /* by power */
     struct rnd_env *env;
     struct rnd_sun *sun;
     uint32_t punctual_count;
     struct rnd_punctual *punctual;
-    struct rnd_alias punctual_alias;
+    struct rnd_lamps lamps[RND_LIGHT_GROUPS]; /* of emissive triangles and punctual lights */
 };
+
+/* How often points ask for which light. */
+struct rnd_light_choice {
+    float group[RND_LIGHT_GROUPS];                   /* one in all; never 0 for one that gives light */
+    struct rnd_env_choice env;                       /* unused without an environment */
+    const struct rnd_alias *lamps[RND_LIGHT_GROUPS]; /* the lights' own, or these: */
+    struct rnd_alias own[RND_LIGHT_GROUPS];
+};
+
+/* Every group as often, and by power within it. choice is one that was in use, or zeros. */
+void rnd_light_choose_evenly(const struct rnd_lights *lights, struct rnd_light_choice *choice);
+void rnd_light_choice_finish(struct rnd_light_choice *choice);
 
 /* A light of a group seen from a point: where to look for it, what comes from there, with which density it
  * was drawn within the group. */
@@ -233,16 +245,17 @@ struct rnd_light_sample {
     struct rnd_v3 radiance;  /* for lights without extent, the irradiance facing it */
     float pdf;               /* per steradian; for lights without extent, of the choice alone */
     bool delta;              /* no extent: cannot be hit by chance */
+    uint32_t part;           /* of lamps, or region of the environment */
 };
 
 /* After the geometry: find what emits and make the tables. */
 bool rnd_lights_build(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE]);
 void rnd_lights_finish(struct rnd_lights *lights);
 
-/* Draw a light of a group for the point from four numbers in [0,1), regions of the environment by their
- * weight. False if what was drawn does not reach it. */
-bool rnd_light_draw(const struct rnd_scene *scene, int group, struct rnd_v3 point, const float u[4],
-                    struct rnd_light_sample *out);
+/* Draw a light of a group for the point from four numbers in [0,1). False if what was drawn does not reach
+ * it. */
+bool rnd_light_draw(const struct rnd_scene *scene, const struct rnd_light_choice *choice, int group,
+                    struct rnd_v3 point, const float u[4], struct rnd_light_sample *out);
 
 /* Emitted radiance of an emissive triangle at barycentric (u, v). */
 struct rnd_v3 rnd_area_emission(const struct rnd_scene *scene, const struct rnd_area *area, float u, float v);
@@ -250,22 +263,24 @@ struct rnd_v3 rnd_area_emission(const struct rnd_scene *scene, const struct rnd_
 /* A triangle seen so nearly from its side gives nothing but rounding: it is not drawn from there. */
 #define RND_LEAST_COSINE 1e-6f
 
-/* Density per steradian with which rnd_light_draw() draws the point of a triangle that is seen at a distance
- * along a direction. */
-RND_INLINE float rnd_area_pdf(const struct rnd_area *area, struct rnd_v3 direction, float distance)
+/* Density per steradian of drawing the point of a triangle that is seen at a distance along a direction, if
+ * the triangle is drawn with that probability. */
+RND_INLINE float rnd_area_pdf(const struct rnd_area *area, float probability, struct rnd_v3 direction,
+                              float distance)
 {
     const struct rnd_v3 twice = rnd_v3_cross(area->e1, area->e2);
     const float projected = fabsf(rnd_v3_dot(twice, direction)); /* twice the area, times the cosine */
     const float least = RND_LEAST_COSINE * RND_LEAST_COSINE * rnd_v3_dot(twice, twice);
-    const float pdf = area->probability * distance * distance / (0.5f * rnd_larger(projected, 1e-37f));
+    const float pdf = probability * distance * distance / (0.5f * rnd_larger(projected, 1e-37f));
     return (projected * projected > least) & (pdf < INFINITY) ? pdf : 0.0f;
 }
 
 /* Draw a point of a triangle as seen from a point, by two numbers in [0,1): its direction, distance and
  * barycentric coordinates. Returns the density as rnd_area_pdf() does, 0 if the triangle does not shine
  * there. */
-RND_INLINE float rnd_area_draw(const struct rnd_area *area, struct rnd_v3 point, float u, float v,
-                               struct rnd_v3 *out_direction, float *out_distance, float *out_s, float *out_t)
+RND_INLINE float rnd_area_draw(const struct rnd_area *area, float probability, struct rnd_v3 point, float u,
+                               float v, struct rnd_v3 *out_direction, float *out_distance, float *out_s,
+                               float *out_t)
 {
     const float root = sqrtf(u), s = v * root, t = root - s; /* uniform over the triangle */
     const struct rnd_v3 p = rnd_v3_muladd(area->e2, t, rnd_v3_muladd(area->e1, s, area->corner)),
@@ -277,7 +292,7 @@ RND_INLINE float rnd_area_draw(const struct rnd_area *area, struct rnd_v3 point,
     *out_t = t;
     const float facing = rnd_v3_dot(rnd_v3_cross(area->e1, area->e2), *out_direction);
     const int shines = (facing < 0.0f) | ((area->flags & RND_AREA_DOUBLE) != 0);
-    const float pdf = rnd_area_pdf(area, *out_direction, distance);
+    const float pdf = rnd_area_pdf(area, probability, *out_direction, distance);
     return shines & (distance > 0.0f) ? pdf : 0.0f;
 }
 

@@ -119,12 +119,14 @@ static void triangle(void **state)
                           a[2] * (b[0] * c[1] - b[1] * c[0]);
     const double expected = 2.0 * atan2(fabs(volume), la * lb * lc + ab * lc + bc * la + ca * lb);
     double angle = 0.0;
+    struct rnd_light_choice choice = {0};
+    rnd_light_choose_evenly(&scene->lights, &choice);
     for (uint32_t i = 0; i < DRAWS; i++) {
         const float u[4] = {stat_uniform(6, i), stat_uniform(7, i), stat_uniform(8, i), stat_uniform(9, i)};
         struct rnd_light_sample light;
-        assert_true(rnd_light_draw(scene, RND_LIGHT_AREA, rnd_v3(0, 0, 0), u, &light));
-        assert_float_equal(rnd_area_pdf(&scene->lights.area[0], light.direction, light.distance) / light.pdf,
-                           1, 1e-5);
+        assert_true(rnd_light_draw(scene, &choice, RND_LIGHT_AREA, rnd_v3(0, 0, 0), u, &light));
+        assert_float_equal(
+            rnd_area_pdf(&scene->lights.area[0], 1.0f, light.direction, light.distance) / light.pdf, 1, 1e-5);
         angle += 1.0 / light.pdf / DRAWS;
     }
     print_message("solid angle %.5f of %.5f sr\n", angle, expected);
@@ -194,7 +196,8 @@ static void survey(void **state)
                       c[RND_LIGHT_SUN]);
         assert_float_equal(c[near] + c[far], 1, 1e-6);
         assert_true(c[near] >= 0.89f && c[far] >= 0.09f);
-        for (int t = 1; t < 3; t++) assert_memory_equal(c, &choice[place][t], sizeof choice[place][t]);
+        for (int t = 1; t < 3; t++)
+            assert_memory_equal(c, choice[place][t].group, sizeof choice[place][t].group);
     }
     rnd_scene_destroy(scene);
 }
@@ -215,7 +218,7 @@ static void window(void **state)
         assert_non_null(pool);
         rnd_survey_lights(scene, (float[]){0, 1, 0}, pool, threads, &choice[threads - 1]);
         rnd_pool_destroy(pool);
-        assert_memory_equal(&choice[0], &choice[threads - 1], sizeof choice[0]);
+        assert_memory_equal(&choice[0].env, &choice[threads - 1].env, sizeof choice[0].env);
     }
     uint32_t out, back;
     float pdf;
@@ -228,10 +231,90 @@ static void window(void **state)
     rnd_scene_destroy(scene);
 }
 
+/* Brightness of what lies below, and how often the first of the lamps is drawn, from that eye. */
+static double below(const char *path, const float eye[3], int group, float *out_probability)
+{
+    struct rnd_light_choice choice[2] = {0};
+    struct rnd_scene *scene = files_load(path, NULL, NULL, eye);
+    for (int threads = 1; threads <= 2; threads++) {
+        struct rnd_pool *pool = rnd_pool_create(threads);
+        assert_non_null(pool);
+        rnd_survey_lights(scene, eye, pool, threads, &choice[threads - 1]);
+        rnd_pool_destroy(pool);
+    }
+    const struct rnd_alias *alias = choice[0].lamps[group];
+    double sum = 0.0;
+    for (uint32_t i = 0; i < alias->count; i++) {
+        sum += alias->probability[i];
+        assert_true(alias->probability[i] == choice[1].lamps[group]->probability[i]);
+    }
+    assert_true(fabs(sum - 1.0) < 1e-4);
+    *out_probability = alias->probability[0];
+    const struct rnd_aim aim = files_aim(0, -1, 0);
+    const double radiance = files_radiance(scene, "fv", 0, 400000, &aim, 30, NULL);
+    for (int i = 0; i < 2; i++) rnd_light_choice_finish(&choice[i]);
+    rnd_scene_destroy(scene);
+    return radiance;
+}
+
+/* A room with a lamp, and the same room in a house of twelve: there its lamp is asked nearly as often, and
+ * the picture is no other. */
+static void house(void **state)
+{
+    (void)state;
+    static const char *const name[] = {"room.obj", "house.obj"};
+    static char text[8000];
+    const float eye[3] = {0, 0, 0};
+    double radiance[2];
+    float probability[2];
+    files_text("house.mtl", "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl lamp\nKd 0.2 0.2 0.2\nKe 3 3 3\n");
+    for (int k = 0; k < 2; k++) {
+        size_t n = (size_t)sprintf(text, "mtllib house.mtl\nusemtl lamp\n");
+        for (int x = 0; x < (k ? 12 : 1); x++)
+            n += (size_t)sprintf(text + n, "v %g 0.9 -0.3\nv %g 0.9 -0.3\nv %g 0.9 0.3\nf -3 -2 -1\n",
+                                 3 * x - 0.3, 3 * x + 0.3, 3.0 * x);
+        for (int x = 0; x < (k ? 12 : 1); x++)
+            files_box(text, sizeof text, "wall", (double[]){3 * x - 1, -1, -1}, (double[]){3 * x + 1, 1, 1});
+        radiance[k] = below(files_text(name[k], text), eye, RND_LIGHT_AREA, &probability[k]);
+    }
+    print_message("its lamp %.3f of all in the house; floor %.5f alone, %.5f there\n", probability[1],
+                  radiance[0], radiance[1]);
+    assert_true(probability[0] == 1.0f);
+    assert_float_equal(probability[1], 0.8 + 0.2 / 12, 1e-3);
+    assert_true(fabs(radiance[1] / radiance[0] - 1.0) < 0.005);
+}
+
+/* The same of point lights: one above a floor, and nine more below it. */
+static void cellar(void **state)
+{
+    (void)state;
+    const float eye[3] = {0, 0.5f, 0};
+    double radiance[2];
+    float probability[2];
+    for (int k = 0; k < 2; k++) {
+        char nodes[2000], lights[200] = ",\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":"
+                                        "\"point\",\"intensity\":20}]}}";
+        const char *light = "\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}";
+        size_t n = (size_t)sprintf(nodes, "{\"mesh\":0,\"children\":[1%s]}", k ? ",2,3,4,5,6,7,8,9,10" : "");
+        for (int i = 0; i < (k ? 10 : 1); i++)
+            n += (size_t)sprintf(nodes + n, ",{\"translation\":[%d,%d,0],%s}", i, i ? -1 : 2, light);
+        const char *path = files_gltf(k ? "cellar.gltf" : "floor.gltf", 100, nodes,
+                                      "{\"pbrMetallicRoughness\":{\"metallicFactor\":0},\"extensions\":{"
+                                      "\"KHR_materials_specular\":{\"specularFactor\":0}}}",
+                                      lights);
+        radiance[k] = below(path, eye, RND_LIGHT_PUNCTUAL, &probability[k]);
+    }
+    print_message("its light %.3f of all; floor %.5f alone, %.5f over the cellar\n", probability[1],
+                  radiance[0], radiance[1]);
+    assert_true(probability[0] == 1.0f && probability[1] > 0.79f);
+    assert_true(fabs(radiance[1] / radiance[0] - 1.0) < 0.005);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(environment), cmocka_unit_test(triangle),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(environment),     cmocka_unit_test(triangle),
                                        cmocka_unit_test(sphere_of_light), cmocka_unit_test(survey),
-                                       cmocka_unit_test(window)};
+                                       cmocka_unit_test(window),          cmocka_unit_test(house),
+                                       cmocka_unit_test(cellar)};
     return cmocka_run_group_tests_name("renderer_light", tests, files_setup, files_teardown);
 }
