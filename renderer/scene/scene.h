@@ -65,7 +65,7 @@ struct rnd_material {
     vec3s specular_colour;
     float transmission;
     bool thin;                     /* transmits without bending: no KHR_materials_volume thickness */
-    bool pane;                     /* clear, thin and smooth all over: light goes straight through */
+    bool pane;                     /* thin and smooth all over: light goes straight through */
     const struct rnd_glass *glass; /* the scene's; NULL if it is not rough or bends nothing */
     vec3s absorption;              /* 1/m, inside: KHR_materials_volume */
     float clearcoat, clearcoat_roughness;
