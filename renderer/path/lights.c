@@ -2,6 +2,8 @@
  * found worth while, and one of the group in the same way. */
 #include "path/wave.h"
 
+#include <string.h>
+
 /* Sort the points into the groups' lists, and note for each its group and where in the list it is; what is
  * left of the first number chooses again within the group. */
 static void choose_groups(struct rnd_tracer *tracer, uint32_t count, uint32_t number[RND_LIGHT_GROUPS],
@@ -232,6 +234,10 @@ void ISA(rnd_choose_lights)(struct rnd_tracer *tracer, uint32_t count)
     };
     uint32_t number[RND_LIGHT_GROUPS], begin[RND_LIGHT_GROUPS], *group = tracer->corner[0],
                                                                 *rank = tracer->corner[1];
+    if (!tracer->scene->lights.any) { /* only unlit surfaces, or emitters without coverage */
+        memset(tracer->lights.pdf, 0, count * sizeof *tracer->lights.pdf);
+        return;
+    }
     rnd_draw_numbers(tracer, RND_DIM_LIGHT, 0, count, tracer->number[0], tracer->number[1]);
     rnd_draw_numbers(tracer, RND_DIM_LIGHT_PLACE, 0, count, tracer->number[2], tracer->number[3]);
     choose_groups(tracer, count, number, group, rank);

@@ -203,6 +203,16 @@ static bool build_punctual(struct rnd_scene *scene, double *out_power)
     return ok;
 }
 
+/* Is there a surface that an eye sees without a light: one that is unlit, or emits where it is there at all? */
+static bool shows_itself(const struct rnd_scene *scene)
+{
+    for (uint32_t m = 0; m < scene->mesh_count; m++) {
+        const struct rnd_material *material = &scene->material[scene->mesh[m].material];
+        if (material->unlit || emits(material)) return true;
+    }
+    return false;
+}
+
 bool rnd_lights_build(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE])
 {
     struct rnd_lights *lights = &scene->lights;
@@ -218,8 +228,8 @@ bool rnd_lights_build(struct rnd_scene *scene, const char *path, char out_error[
     }
     lights->has[RND_LIGHT_ENV] = lights->env != NULL;
     lights->has[RND_LIGHT_SUN] = lights->sun && rnd_v3_luminance(lights->sun->radiance) > 0.0f;
-    for (int i = 0; i < RND_LIGHT_GROUPS; i++)
-        if (lights->has[i]) return true;
+    for (int i = 0; i < RND_LIGHT_GROUPS; i++) lights->any |= lights->has[i];
+    if (lights->any || shows_itself(scene)) return true;
     snprintf(
         out_error, RND_ERROR_SIZE,
         "%.200s: nothing in the scene gives light: expected an emissive material, a light, --env or --sun",

@@ -215,6 +215,7 @@ struct rnd_lamps {
 
 struct rnd_lights {
     bool has[RND_LIGHT_GROUPS]; /* does the group give light? */
+    bool any;                   /* does one of them? */
     uint32_t area_count;
     bool area_textured; /* some of them are */
     struct rnd_area *area;

@@ -66,6 +66,26 @@ static void convex_in_white(void **state)
     rnd_scene_destroy(scene);
 }
 
+/* An unlit surface shows its base colour where there is no light at all, and what it does not cover is black.
+ */
+static void unlit_without_light(void **state)
+{
+    (void)state;
+    const char *path = files_gltf("unlit.gltf", 3, "{\"mesh\":0,\"translation\":[0,-1,0]}",
+                                  "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.25,0.75,1]},"
+                                  "\"doubleSided\":true,\"extensions\":{\"KHR_materials_unlit\":{}}}",
+                                  "");
+    struct rnd_scene *scene = files_load(path, NULL, NULL, (float[]){0, 0, 0});
+    const struct rnd_aim down = files_aim(0, -1, 0), up = files_aim(0, 1, 0);
+    float rgb[3];
+    files_radiance(scene, "fv", 0, 20000, &down, 20, rgb);
+    assert_within("unlit without a light, red", rgb[0], 0.5, 1e-5);
+    assert_within("unlit without a light, green", rgb[1], 0.25, 1e-5);
+    assert_within("unlit without a light, blue", rgb[2], 0.75, 1e-5);
+    assert_true(files_radiance(scene, "fv", 0, 20000, &up, 20, NULL) == 0.0);
+    rnd_scene_destroy(scene);
+}
+
 /* A plane under a sun of irradiance E at an elevation: albedo / pi E sin(elevation), whatever its diameter as
  * long as it is all above the horizon. */
 static void sun_on_plane(void **state)
@@ -387,6 +407,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(closed_furnace),
         cmocka_unit_test(convex_in_white),
+        cmocka_unit_test(unlit_without_light),
         cmocka_unit_test(sun_on_plane),
         cmocka_unit_test(sun_seen),
         cmocka_unit_test(rectangle_of_light),
