@@ -332,13 +332,17 @@ static void bend_normals(struct rnd_tracer *tracer, uint32_t begin, uint32_t end
         const uint32_t code = scene->record[s->record[j]].tangent;
         const struct rnd_v3 n = rnd_get(&s->normal, j), outside = rnd_v3_scale(n, side);
         struct rnd_v3 along = rnd_octahedral_decode(code);
-        if (s->instance[j] != RTC_INVALID_GEOMETRY_ID)
-            along = instance_vector(&scene->instance[s->instance[j] - scene->mesh_count], along);
+        float turn = code & 1u ? -1.0f : 1.0f;
+        if (s->instance[j] != RTC_INVALID_GEOMETRY_ID) {
+            const struct rnd_instance *instance = &scene->instance[s->instance[j] - scene->mesh_count];
+            along = instance_vector(instance, along);
+            turn = instance->mirrors ? -turn : turn;
+        }
         along = rnd_v3_muladd(outside, -rnd_v3_dot(along, outside), along);
         const float length = sqrtf(rnd_v3_dot(along, along));
         if (!(length > 1e-6f)) continue;
         along = rnd_v3_scale(along, 1.0f / length);
-        const struct rnd_v3 across = rnd_v3_scale(rnd_v3_cross(outside, along), code & 1u ? -1.0f : 1.0f);
+        const struct rnd_v3 across = rnd_v3_scale(rnd_v3_cross(outside, along), turn);
         struct rnd_v3 bent = rnd_v3_scale(outside, 2.0f * t.b - 1.0f);
         bent = rnd_v3_muladd(along, scale * (2.0f * t.r - 1.0f), bent);
         /* green points up in the picture, and v down */

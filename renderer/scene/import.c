@@ -258,6 +258,7 @@ static bool add_instance(struct import *in, uint32_t mesh, const struct aiMatrix
         .mesh = mesh,
         .to_world = {m->a1, m->b1, m->c1, m->a2, m->b2, m->c2, m->a3, m->b3, m->c3, m->a4, m->b4, m->c4},
         .scale = cbrtf(fabsf(aiMatrix4Determinant(m))),
+        .mirrors = aiMatrix4Determinant(m) < 0.0f,
         .normal_to_world = {n->a1, n->b1, n->c1, n->a2, n->b2, n->c2, n->a3, n->b3, n->c3}};
     return true;
 }

@@ -101,6 +101,7 @@ struct rnd_instance {
     float to_world[12];       /* 3 rows, 4 columns, column by column */
     float normal_to_world[9]; /* inverse transpose of its first three columns, column by column: normals keep
                                  their side, and lose their length */
+    bool mirrors;             /* it turns right hands into left ones: bitangents change their side */
 };
 
 /* --- scene --- */

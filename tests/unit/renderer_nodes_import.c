@@ -183,6 +183,47 @@ static void instances_shaded(void **state)
     rnd_scene_destroy(scene);
 }
 
+/* A normal map that leans towards the top of its picture, seen through a mirrored instance, in the world as
+ * the mirrored node alone, and through an instance that is not mirrored; one that is mirrored along v leans
+ * the other way. */
+static void instances_mirrored(void **state)
+{
+    (void)state;
+    static const char material[] =
+        "{\"pbrMetallicRoughness\":{\"metallicFactor\":0},\"normalTexture\":{\"index\":0}}",
+                      more[] = ",\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"lean.exr\"}],"
+                               "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":"
+                               "\"directional\",\"intensity\":3}]}}";
+#define LEAN_LIGHT                                                                                           \
+    "{\"rotation\":[-0.5,0,0,0.8660254],\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}"
+    /* the sun stands 60 degrees over +Z; v grows towards +Z, so that the map leans to -Z */
+    static const char *const nodes[] = {"{\"children\":[1,2,3]},{\"mesh\":0,\"scale\":[-3,1,3]},{\"mesh\":0,"
+                                        "\"translation\":[0,-90,0]}," LEAN_LIGHT,
+                                        "{\"children\":[1,2]},{\"mesh\":0,\"scale\":[-3,1,3]}," LEAN_LIGHT,
+                                        "{\"children\":[1,2,3]},{\"mesh\":0,\"scale\":[3,1,3]},{\"mesh\":0,"
+                                        "\"translation\":[0,-90,0]}," LEAN_LIGHT,
+                                        "{\"children\":[1,2,3]},{\"mesh\":0,\"scale\":[3,1,-3]},{\"mesh\":0,"
+                                        "\"translation\":[0,-90,0]}," LEAN_LIGHT};
+    const struct files_part *parts = square_many_times();
+    const struct rnd_aim down = files_aim(0, -1, 0);
+    const float lean[3] = {0.5f, 0.75f, 0.9330127f}; /* 30 degrees */
+    char error[RND_ERROR_SIZE];
+    double seen[4];
+    assert_true(rnd_image_write(files_path("lean.exr"), 1, 1, lean, false, error));
+    for (int i = 0; i < 4; i++) {
+        struct rnd_scene *scene =
+            files_load(files_parts("mirrored.gltf", files_primitive, nodes[i], material, more, parts, 3),
+                       NULL, NULL, (float[]){0.1f, 1, 0.1f});
+        assert_int_equal(scene->instance_count, i == 1 ? 0 : 2);
+        seen[i] = files_radiance(scene, "fv", 0, 20000, &down, 20, NULL);
+        rnd_scene_destroy(scene);
+    }
+    print_message("%g %g %g %g\n", seen[0], seen[1], seen[2], seen[3]);
+    assert_float_equal(seen[0], seen[1], 1e-3 * seen[1]);
+    assert_float_equal(seen[0], seen[2], 1e-3 * seen[2]);
+    assert_true(seen[3] > 1.5 * seen[0]);
+}
+
 static void gpu_instances(void **state)
 {
     (void)state;
@@ -261,10 +302,10 @@ static void shared_light(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(colours_and_sets), cmocka_unit_test(first_frame),
-        cmocka_unit_test(instances),        cmocka_unit_test(instances_shaded),
-        cmocka_unit_test(gpu_instances),    cmocka_unit_test(blender_instances),
-        cmocka_unit_test(shared_light),
+        cmocka_unit_test(colours_and_sets),   cmocka_unit_test(first_frame),
+        cmocka_unit_test(instances),          cmocka_unit_test(instances_shaded),
+        cmocka_unit_test(instances_mirrored), cmocka_unit_test(gpu_instances),
+        cmocka_unit_test(blender_instances),  cmocka_unit_test(shared_light),
     };
     return cmocka_run_group_tests_name("renderer_nodes_import", tests, files_setup, files_teardown);
 }
