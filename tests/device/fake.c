@@ -10,7 +10,8 @@
 #include <time.h>
 #include <unistd.h>
 
-const char *const fake_kind_names[FAKE_KINDS] = {"hid", "unready", "garbage", "broken", "psvr2"};
+const char *const fake_kind_names[FAKE_KINDS] = {"hid",   "unready",    "garbage",    "broken",
+                                                 "psvr2", "psvr2-late", "psvr2-stuck"};
 
 static void die(const char *what, GError *error)
 {
@@ -37,7 +38,7 @@ void fake_be_urgent(void)
 
 static bool is_usb(const struct fake_device *device)
 {
-    return device->kind == FAKE_PSVR2;
+    return device->kind >= FAKE_PSVR2;
 }
 
 /* --- sending -------------------------------------------------------------------------------------------- */
@@ -128,6 +129,7 @@ struct fake_device *fake_plug(struct fake *fake, enum fake_kind kind, double hz)
     device->handler = umockdev_ioctl_base_new();
     if (is_usb(device)) {
         g_signal_connect(device->handler, "handle-ioctl", G_CALLBACK(fake_usb_ioctl), device);
+        g_signal_connect(device->handler, "client-vanished", G_CALLBACK(fake_usb_vanish), device);
     } else {
         g_signal_connect(device->handler, "handle-ioctl", G_CALLBACK(fake_hid_ioctl), device);
         g_signal_connect(device->handler, "handle-read", G_CALLBACK(fake_hid_read), device);

@@ -21,6 +21,8 @@ enum fake_kind {
     FAKE_GARBAGE, /* the same descriptor, and random bytes as reports, of random length */
     FAKE_BROKEN,  /* a descriptor that says it is an eye tracker and is cut off */
     FAKE_PSVR2,
+    FAKE_LATE,  /* the same, whose reads come back with gaze when they are cancelled */
+    FAKE_STUCK, /* the same, whose cancelled reads never come back */
     FAKE_KINDS
 };
 extern const char *const fake_kind_names[FAKE_KINDS];

@@ -32,6 +32,7 @@ struct fake_device {
     uint64_t sent, sent_ns[FAKE_SENT];
     unsigned starts, stops;
     size_t calibration;
+    const UMockdevIoctlClient *claimed_by; /* USB: the file that has the interface */
 };
 
 struct fake {
@@ -55,6 +56,7 @@ void fake_usb_describe(struct fake_device *device, GString *out_text);
 gboolean fake_hid_ioctl(UMockdevIoctlBase *base, UMockdevIoctlClient *client, gpointer device);
 gboolean fake_hid_read(UMockdevIoctlBase *base, UMockdevIoctlClient *client, gpointer device);
 gboolean fake_usb_ioctl(UMockdevIoctlBase *base, UMockdevIoctlClient *client, gpointer device);
+void fake_usb_vanish(UMockdevIoctlBase *base, UMockdevIoctlClient *client, gpointer device);
 /* Give waiting reads what there is, or when the device is gone an end. Under device->lock. */
 void fake_usb_pump(struct fake_device *device);
 void fake_usb_finish(struct fake_device *device);

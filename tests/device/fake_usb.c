@@ -10,6 +10,7 @@
 #include <string.h>
 
 struct urb {
+    UMockdevIoctlClient *client; /* whose file it was submitted to, and is reaped from */
     UMockdevIoctlData *request, *buffer;
 };
 
@@ -63,23 +64,52 @@ static void free_urb(gpointer data)
     g_free(urb);
 }
 
+/* The read is done: with a report, or with status. */
+static void complete(struct fake_device *device, struct urb *urb, const struct fake_report *report,
+                     int status)
+{
+    raw(urb)->status = status;
+    raw(urb)->actual_length = 0;
+    if (report) {
+        int size = (int)report->size < raw(urb)->buffer_length ? (int)report->size : raw(urb)->buffer_length;
+        memcpy(urb->buffer->data, report->bytes, (size_t)size);
+        raw(urb)->actual_length = size;
+    }
+    g_queue_push_tail(&device->done, urb);
+}
+
 void fake_usb_pump(struct fake_device *device)
 {
     struct urb *urb;
     while ((device->gone || g_queue_get_length(&device->reports)) &&
            (urb = g_queue_pop_head(&device->urbs))) {
         struct fake_report *report = device->gone ? NULL : g_queue_pop_head(&device->reports);
-        raw(urb)->status = report ? 0 : -ENODEV;
-        raw(urb)->actual_length = 0;
-        if (report) {
-            int size =
-                (int)report->size < raw(urb)->buffer_length ? (int)report->size : raw(urb)->buffer_length;
-            memcpy(urb->buffer->data, report->bytes, (size_t)size);
-            raw(urb)->actual_length = size;
-        }
+        complete(device, urb, report, report ? 0 : -ENODEV);
         g_free(report);
-        g_queue_push_tail(&device->done, urb);
     }
+}
+
+static void drop_urbs(GQueue *urbs, const UMockdevIoctlClient *client)
+{
+    for (GList *at = urbs->head, *next; at; at = next) {
+        struct urb *urb = at->data;
+        next = at->next;
+        if (urb->client != client) continue;
+        g_queue_delete_link(urbs, at);
+        free_urb(urb);
+    }
+}
+
+/* The file is closed: as the kernel, take what was submitted to it, and the claim. */
+void fake_usb_vanish(UMockdevIoctlBase *base, UMockdevIoctlClient *client, gpointer user)
+{
+    (void)base;
+    struct fake_device *device = user;
+    pthread_mutex_lock(&device->lock);
+    drop_urbs(&device->urbs, client);
+    drop_urbs(&device->done, client);
+    if (device->claimed_by == client) device->claimed_by = NULL;
+    pthread_mutex_unlock(&device->lock);
 }
 
 void fake_usb_finish(struct fake_device *device)
@@ -101,11 +131,12 @@ static void take_control(struct fake_device *device, struct urb *urb)
     if (setup[10] == 2) device->stops++;
 }
 
-static int submit(struct fake_device *device, UMockdevIoctlData *data)
+static int submit(struct fake_device *device, UMockdevIoctlClient *client, UMockdevIoctlData *data)
 {
     struct usbdevfs_urb *request = (void *)data->data;
     if (device->gone) return -ENODEV;
     struct urb *urb = g_new0(struct urb, 1);
+    urb->client = client;
     urb->request = g_object_ref(data);
     urb->buffer = umockdev_ioctl_data_resolve(data, G_STRUCT_OFFSET(struct usbdevfs_urb, buffer),
                                               (size_t)request->buffer_length, NULL);
@@ -127,17 +158,40 @@ static int submit(struct fake_device *device, UMockdevIoctlData *data)
     return 0;
 }
 
-static int discard(struct fake_device *device, unsigned long address)
+/* A cancelled read comes back at once; of the late kind with a report that was faster, of the stuck kind
+ * never. */
+static int discard(struct fake_device *device, const UMockdevIoctlClient *client, unsigned long address)
 {
     for (GList *at = device->urbs.head; at; at = at->next) {
         struct urb *urb = at->data;
-        if (urb->request->client_addr != address) continue;
-        raw(urb)->status = -ENOENT;
+        if (urb->client != client || urb->request->client_addr != address) continue;
+        if (device->kind == FAKE_STUCK) return 0;
         g_queue_delete_link(&device->urbs, at);
-        g_queue_push_tail(&device->done, urb);
+        if (device->kind == FAKE_LATE) {
+            struct fake_report report;
+            fake_usb_fill(device, &report);
+            complete(device, urb, &report, 0);
+            break;
+        }
+        complete(device, urb, NULL, -ENOENT);
         return 0;
     }
     return -EINVAL;
+}
+
+static int claim(struct fake_device *device, UMockdevIoctlClient *client)
+{
+    if (device->gone) return -ENODEV;
+    if (device->claimed_by && device->claimed_by != client) return -EBUSY;
+    device->claimed_by = client;
+    return 0;
+}
+
+static int release(struct fake_device *device, const UMockdevIoctlClient *client)
+{
+    if (device->gone) return -ENODEV;
+    if (device->claimed_by == client) device->claimed_by = NULL;
+    return 0;
 }
 
 /* A pseudo-terminal is always ready for writing, which is what libusb waits for: "nothing yet" comes a
@@ -159,27 +213,32 @@ static int answer(struct fake_device *device, UMockdevIoctlClient *client, unsig
         return 0;
     case USBDEVFS_CLAIMINTERFACE:
     case USBDEVFS_DISCONNECT_CLAIM: /* no driver holds it */
+        return claim(device, client);
     case USBDEVFS_RELEASEINTERFACE:
-        return device->gone ? -ENODEV : 0;
+        return release(device, client);
     case USBDEVFS_GETDRIVER:
         return -ENODATA;
     case USBDEVFS_SUBMITURB:
-        return submit(device, data);
+        return submit(device, client, data);
     case USBDEVFS_DISCARDURB:
-        return discard(device, *(unsigned long *)umockdev_ioctl_client_get_arg(client)->data);
+        return discard(device, client, *(unsigned long *)umockdev_ioctl_client_get_arg(client)->data);
     default:
         return -ENOTTY;
     }
 }
 
-/* One that is done; else -ENODEV, or -EAGAIN for which the answer is to wait. */
-static int reap(struct fake_device *device, UMockdevIoctlData *data)
+/* One of this file's that is done; else -ENODEV, or -EAGAIN for which the answer is to wait. */
+static int reap(struct fake_device *device, const UMockdevIoctlClient *client, UMockdevIoctlData *data)
 {
-    struct urb *urb = g_queue_pop_head(&device->done);
-    if (!urb) return device->gone ? -ENODEV : -EAGAIN;
-    umockdev_ioctl_data_set_ptr(data, 0, urb->request);
-    free_urb(urb);
-    return 0;
+    for (GList *at = device->done.head; at; at = at->next) {
+        struct urb *urb = at->data;
+        if (urb->client != client) continue;
+        g_queue_delete_link(&device->done, at);
+        umockdev_ioctl_data_set_ptr(data, 0, urb->request);
+        free_urb(urb);
+        return 0;
+    }
+    return device->gone ? -ENODEV : -EAGAIN;
 }
 
 gboolean fake_usb_ioctl(UMockdevIoctlBase *base, UMockdevIoctlClient *client, gpointer user)
@@ -192,7 +251,7 @@ gboolean fake_usb_ioctl(UMockdevIoctlBase *base, UMockdevIoctlClient *client, gp
         umockdev_ioctl_data_resolve(umockdev_ioctl_client_get_arg(client), 0, _IOC_SIZE(request), NULL);
     bool reaps = request == USBDEVFS_REAPURB || request == USBDEVFS_REAPURBNDELAY;
     pthread_mutex_lock(&device->lock);
-    int result = reaps ? reap(device, data) : answer(device, client, request, data);
+    int result = reaps ? reap(device, client, data) : answer(device, client, request, data);
     pthread_mutex_unlock(&device->lock);
     if (data) g_object_unref(data);
     if (reaps && result == -EAGAIN)

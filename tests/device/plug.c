@@ -3,10 +3,11 @@
  *   plug [ACTION...] -- COMMAND [ARGUMENT...]
  *
  * Actions are done one after another, those before "run" before the program is started. KIND[:HZ] plugs one
- * in (hid, garbage, broken, psvr2; 500 Hz), out:KIND unplugs the last of a kind, wait:SECONDS waits, file:PATH
- * waits until there is such a file, end sends SIGTERM, and repeat:N does all actions after "run" N times. Then
- * the program's end is awaited, and its exit code is ours. Exit code 99: the program outlived "limit:SECONDS"
- * (60), and was killed. What the first eight devices were asked for is told at the end. */
+ * in (hid, unready, garbage, broken, psvr2, psvr2-late, psvr2-stuck; 500 Hz), out:KIND unplugs the last of a
+ * kind, wait:SECONDS waits, file:PATH waits until there is such a file, end sends SIGTERM, and repeat:N does
+ * all actions after "run" N times. Then the program's end is awaited, and its exit code is ours. Exit code
+ * 99: the program outlived "limit:SECONDS" (60), and was killed. What the first eight devices were asked for
+ * is told at the end. */
 #include "fake.h"
 
 #include <signal.h>

@@ -3,6 +3,8 @@
 pkg_check_modules(UMOCKDEV QUIET IMPORTED_TARGET umockdev-1.0)
 add_executable(device_probe device/probe.c)
 target_link_libraries(device_probe PRIVATE tracker m)
+add_executable(device_reopen device/reopen.c)
+target_link_libraries(device_reopen PRIVATE tracker)
 if(UMOCKDEV_FOUND)
   add_library(fake STATIC device/fake.c device/fake_hid.c device/fake_usb.c)
   target_link_libraries(fake PUBLIC PkgConfig::UMOCKDEV util m)

@@ -83,6 +83,9 @@ psvr2)
     status=0
     umockdev-wrapper "$plug" psvr2 -- "$probe" psvr2 1 none absent >out 2>err || status=$?
     grep -q 'FAIL: absent: No such file' out || fail "$(cat out)"
+    # What comes back while it is closed, and what does not come back, is left behind: it can be opened again.
+    run psvr2-late -- "$programs/device_reopen" psvr2 5
+    run psvr2-stuck -- "$programs/device_reopen" psvr2 2
     ;;
 auto)
     # A recording until a tracker comes; and no way back when it goes.

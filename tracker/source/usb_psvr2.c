@@ -62,6 +62,7 @@ struct usb {
     libusb_context *context;
     libusb_device_handle *handle;
     bool claimed, gone;
+    bool closing; /* nothing is delivered or submitted any more */
     struct usb_transfer {
         struct usb *usb;
         struct libusb_transfer *transfer;
@@ -145,7 +146,7 @@ static void LIBUSB_CALL on_transfer(struct libusb_transfer *transfer)
     enum libusb_transfer_status status = transfer->status;
     t->flying = false;
     if (status == LIBUSB_TRANSFER_NO_DEVICE) usb->gone = true;
-    if (status == LIBUSB_TRANSFER_CANCELLED || usb->gone) return;
+    if (status == LIBUSB_TRANSFER_CANCELLED || usb->gone || usb->closing) return;
     if (status != LIBUSB_TRANSFER_COMPLETED) {
         usb->errors++;
         usb->retry_at_ns = arrival_ns + retry_ns;
@@ -221,28 +222,34 @@ static bool send_calibration(struct usb *usb, const char *path, char out_error[T
     return !*out_error;
 }
 
-/* Transfers in flight are the kernel's: what they hold is freed only when all have come back. */
+static bool is_flying(const struct usb *usb)
+{
+    for (int i = 0; i < TRANSFERS; i++)
+        if (usb->transfer[i].flying) return true;
+    return false;
+}
+
+/* Transfers in flight are the kernel's, which may complete one that is being cancelled. All come back while
+ * this waits. If a broken bus keeps one, closing the handle takes it from the kernel and from libusb. Either
+ * way nothing can come when the transfers are freed. */
 static void usb_close(void *state)
 {
     struct usb *usb = state;
     uint64_t end_ns = trk_now_ns() + cancel_ns;
-    bool flying = true;
+    usb->closing = true;
     if (usb->claimed && !usb->gone) request(usb, usb->tracker->stop);
     for (int i = 0; i < TRANSFERS; i++)
         if (usb->transfer[i].flying) libusb_cancel_transfer(usb->transfer[i].transfer);
-    while (flying && trk_now_ns() < end_ns) {
-        flying = false;
-        for (int i = 0; i < TRANSFERS; i++) flying |= usb->transfer[i].flying;
+    while (is_flying(usb) && trk_now_ns() < end_ns) {
         struct timeval wait = {.tv_usec = 10000};
-        if (flying) libusb_handle_events_timeout_completed(usb->context, &wait, NULL);
+        libusb_handle_events_timeout_completed(usb->context, &wait, NULL);
     }
-    if (flying) return;
+    if (usb->claimed) libusb_release_interface(usb->handle, usb->tracker->interface);
+    if (usb->handle) libusb_close(usb->handle);
     for (int i = 0; i < TRANSFERS; i++) {
         libusb_free_transfer(usb->transfer[i].transfer);
         free(usb->transfer[i].buffer);
     }
-    if (usb->claimed) libusb_release_interface(usb->handle, usb->tracker->interface);
-    if (usb->handle) libusb_close(usb->handle);
     libusb_exit(usb->context);
     free(usb);
 }
