@@ -11,14 +11,9 @@
 static bool read_pixels(const char *path, struct rnd_pixels *out_pixels, char out_error[RND_ERROR_SIZE])
 {
     char text[RND_ERROR_SIZE / 2];
-    if (rnd_pixels_read(path, NULL, 0, true, out_pixels, text, sizeof text)) return true;
+    if (rnd_pixels_read(path, NULL, 0, RND_PIXELS_COLOUR, false, out_pixels, text, sizeof text)) return true;
     snprintf(out_error, RND_ERROR_SIZE, "%.200s: not a readable image: %s", path, text);
     return false;
-}
-
-static float value_at(const struct rnd_pixels *pixels, size_t i)
-{
-    return pixels->bytes ? rnd_srgb_decode(pixels->bytes[i]) : pixels->floats[i];
 }
 
 float *rnd_image_read(const char *path, int *out_width, int *out_height, bool *out_display,
@@ -32,10 +27,10 @@ float *rnd_image_read(const char *path, int *out_width, int *out_height, bool *o
         snprintf(out_error, RND_ERROR_SIZE, "%.200s: not enough memory", path);
     } else {
         for (size_t i = 0; i < count; i++)
-            for (size_t c = 0; c < 3; c++) rgb[3 * i + c] = value_at(&pixels, n * i + (n >= 3 ? c : 0));
+            for (size_t c = 0; c < 3; c++) rgb[3 * i + c] = pixels.floats[n * i + (n >= 3 ? c : 0)];
         *out_width = pixels.width;
         *out_height = pixels.height;
-        if (out_display) *out_display = pixels.bytes;
+        if (out_display) *out_display = pixels.display;
     }
     rnd_pixels_finish(&pixels);
     return rgb;
@@ -55,7 +50,7 @@ float *rnd_image_read_channel(const char *path, const char *channel, int *out_wi
         snprintf(out_error, RND_ERROR_SIZE, "%.200s: has no channel \"%.60s\"", path, channel);
     else if (!(values = malloc(count * sizeof *values)))
         snprintf(out_error, RND_ERROR_SIZE, "%.200s: not enough memory", path);
-    for (size_t i = 0; values && i < count; i++) values[i] = value_at(&pixels, i * pixels.channels + found);
+    for (size_t i = 0; values && i < count; i++) values[i] = pixels.floats[i * pixels.channels + found];
     *out_width = pixels.width;
     *out_height = pixels.height;
     rnd_pixels_finish(&pixels);

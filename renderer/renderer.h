@@ -230,9 +230,10 @@ bool rnd_render_save(struct rnd_render *render, const char *path, char out_error
 /* --- images
  * -------------------------------------------------------------------------------------------------- */
 
-/* An image file as width x height x RGB floats, linear. *out_display (may be NULL): whether it has 8 bits a
- * channel, which are taken as sRGB. malloc'ed: the caller frees. NULL and a line in out_error if it cannot be
- * read or is over 1 Gi pixels. */
+/* An image file as width x height x RGB floats, linear. *out_display (may be NULL): whether the file's values
+ * are encoded for a display. Integers of any width are, as sRGB, unless the file names another transfer
+ * function (gamma) or says that they are linear; floats are linear. malloc'ed: the caller frees. NULL and a
+ * line in out_error if it cannot be read or is over 1 Gi pixels. */
 float *rnd_image_read(const char *path, int *out_width, int *out_height, bool *out_display,
                       char out_error[RND_ERROR_SIZE]);
 /* The one channel of that name, width x height floats. */

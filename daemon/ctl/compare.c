@@ -11,7 +11,7 @@ struct comparison {
     const struct ctl *ctl;
     float *reference, *test, *errors;
     int width, height;
-    bool display; /* one of them at least is of 8 bits */
+    bool display; /* one of them at least is encoded for a display */
     bool hdr;
     struct rnd_flip flip;
     double relative_mse, relative_rmse, psnr_db; /* NAN: not asked of such pictures */
@@ -73,7 +73,7 @@ static void print_table(const struct comparison *c)
 
     printf("%s against %s: %dx%d, %s\n", c->ctl->operand[1], c->ctl->operand[0], c->width, c->height,
            c->hdr       ? "both hold light"
-           : c->display ? "8 bits, as a display shows them"
+           : c->display ? "values for a display"
                         : "light from 0 to 1, as a display shows it");
     printf("%s-FLIP   %.6f  mean, at %.4g pixels a degree; 0 is no difference, 1 the largest\n",
            c->hdr ? "HDR" : "LDR", flip->mean, c->ctl->ppd);

@@ -124,7 +124,7 @@ bool rnd_env_load(struct rnd_scene *scene, const char *path, float azimuth_deg,
     size_t bad = 0;
     bool ok = false, black = false;
     if (!(scene->lights.env = env)) goto end;
-    if (!rnd_pixels_read(path, NULL, 0, false, &pixels, text, sizeof text)) {
+    if (!rnd_pixels_read(path, NULL, 0, RND_PIXELS_COLOUR, false, &pixels, text, sizeof text)) {
         snprintf(out_error, RND_ERROR_SIZE, "%.200s: not a readable environment map: %s", path, text);
         return false;
     }

@@ -75,6 +75,7 @@ static int add_image(struct reader *r, const json_t *index, bool srgb)
 {
     const json_t *image = rnd_gltf_at(r->gltf, "images", index);
     const char *uri = json_string_value(json_object_get(image, "uri"));
+    const enum rnd_pixels_use use = srgb ? RND_PIXELS_SRGB : RND_PIXELS_DATA;
     char path[4096];
     int texture = -1;
     if (uri && strncmp(uri, "data:", 5) != 0) {
@@ -88,7 +89,7 @@ static int add_image(struct reader *r, const json_t *index, bool srgb)
             fclose(file);
         else
             rnd_gltf_decode_percent(path + strlen(path) - strlen(uri));
-        texture = rnd_texture_add(r->scene, path, NULL, 0, srgb, r->gltf->error);
+        texture = rnd_texture_add(r->scene, path, NULL, 0, use, r->gltf->error);
     } else {
         size_t count = 0;
         uint8_t *bytes = uri ? rnd_gltf_data_uri(uri, &count)
@@ -97,7 +98,7 @@ static int add_image(struct reader *r, const json_t *index, bool srgb)
         if (bytes) {
             snprintf(path, sizeof path, "%.200s: image %d.%s", r->gltf->path, (int)json_integer_value(index),
                      ending(bytes, count, image));
-            texture = rnd_texture_add(r->scene, path, bytes, count, srgb, r->gltf->error);
+            texture = rnd_texture_add(r->scene, path, bytes, count, use, r->gltf->error);
         }
         free(bytes);
     }

@@ -1,9 +1,11 @@
 // OpenImageIO behind image_io.h. Nothing is thrown across the boundary, and nothing else is done here.
 #include "scene/image_io.h"
+#include "scene/srgb.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 
@@ -19,7 +21,31 @@ bool fail(char *out_error, size_t error_size, std::string text)
     return false;
 }
 
-bool read(OIIO::ImageInput &in, bool want_bytes, rnd_pixels &out, char *out_error, size_t error_size)
+// The exponent by which the file's colours become linear light: 1 if they are, 0 if they are sRGB.
+float gamma_of(const OIIO::ImageSpec &spec, rnd_pixels_use use)
+{
+    if (use == RND_PIXELS_DATA || spec.format.is_floating_point()) return 1.0f;
+    if (use == RND_PIXELS_SRGB) return 0.0f;
+    const std::string space = spec.get_string_attribute("oiio:ColorSpace");
+    if (OIIO::Strutil::istarts_with(space, "lin")) return 1.0f;
+    const float gamma = spec.get_float_attribute("oiio:Gamma", 2.2f);
+    // What says 2.2 was made for sRGB and rounded.
+    return gamma > 0.0f && fabsf(gamma - 2.2f) > 0.05f ? gamma : 0.0f;
+}
+
+// All channels but alpha to linear light.
+void decode(rnd_pixels &pixels, int alpha, float gamma)
+{
+    const size_t count = (size_t)pixels.width * pixels.height;
+    for (size_t i = 0; i < count; i++)
+        for (int c = 0; c < pixels.channels; c++) {
+            float &value = pixels.floats[i * pixels.channels + c];
+            if (c != alpha) value = gamma == 0.0f ? rnd_srgb_to_linear(value) : powf(value, gamma);
+        }
+}
+
+bool read(OIIO::ImageInput &in, rnd_pixels_use use, bool want_bytes, rnd_pixels &out, char *out_error,
+          size_t error_size)
 {
     const OIIO::ImageSpec &spec = in.spec();
     if (spec.depth > 1) return fail(out_error, error_size, "a volume, not a picture");
@@ -32,7 +58,10 @@ bool read(OIIO::ImageInput &in, bool want_bytes, rnd_pixels &out, char *out_erro
         snprintf(out.channel_names[c], sizeof out.channel_names[c], "%s",
                  std::string(spec.channel_name(c)).c_str());
 
-    const bool bytes = want_bytes && spec.format == OIIO::TypeDesc::UINT8;
+    const float gamma = gamma_of(spec, use);
+    const bool as_bytes = use == RND_PIXELS_DATA || gamma == 0.0f,
+               bytes = want_bytes && as_bytes && spec.format == OIIO::TypeDesc::UINT8;
+    out.display = gamma != 1.0f;
     void *data = calloc((size_t)out.width * out.height * out.channels, bytes ? 1 : sizeof(float));
     if (!data) return fail(out_error, error_size, "not enough memory");
     if (bytes)
@@ -43,6 +72,7 @@ bool read(OIIO::ImageInput &in, bool want_bytes, rnd_pixels &out, char *out_erro
         rnd_pixels_finish(&out);
         return fail(out_error, error_size, in.geterror());
     }
+    if (!bytes && gamma != 1.0f) decode(out, spec.alpha_channel, gamma);
     return true;
 }
 
@@ -61,8 +91,8 @@ OIIO::TypeDesc type_of(rnd_channel_type type)
 
 } // namespace
 
-extern "C" bool rnd_pixels_read(const char *path, const void *memory, size_t count, bool want_bytes,
-                                rnd_pixels *out_pixels, char *out_error, size_t error_size)
+extern "C" bool rnd_pixels_read(const char *path, const void *memory, size_t count, rnd_pixels_use use,
+                                bool want_bytes, rnd_pixels *out_pixels, char *out_error, size_t error_size)
 {
     *out_pixels = rnd_pixels();
     try {
@@ -74,7 +104,7 @@ extern "C" bool rnd_pixels_read(const char *path, const void *memory, size_t cou
         if (memory) config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
         auto in = OIIO::ImageInput::open(path, &config);
         if (!in) return fail(out_error, error_size, OIIO::geterror());
-        const bool ok = read(*in, want_bytes, *out_pixels, out_error, error_size);
+        const bool ok = read(*in, use, want_bytes, *out_pixels, out_error, error_size);
         in->close();
         return ok;
     } catch (const std::exception &e) {

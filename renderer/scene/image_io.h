@@ -12,10 +12,18 @@ extern "C" {
 
 enum { RND_MAX_CHANNELS = 8, RND_MAX_PIXELS = 1 << 30 };
 
+/* What pixels are read for: it decides what their numbers mean. */
+enum rnd_pixels_use {
+    RND_PIXELS_DATA,   /* the numbers as they are stored: normals, roughness, coverage */
+    RND_PIXELS_SRGB,   /* colours: integers are sRGB, whatever the file says (glTF 2.0, section 3.8.3) */
+    RND_PIXELS_COLOUR, /* colours: integers are sRGB, unless the file names another transfer function */
+};
+
 /* Pixels in memory: bytes if the file holds 8-bit integers and bytes were asked for, else floats. One is
- * NULL. */
+ * NULL. Floats of colours are linear light, bytes of colours sRGB; alpha is as it is stored. */
 struct rnd_pixels {
     int width, height, channels;
+    bool display;   /* the file's colours are encoded for a display: integers that are not marked as linear */
     uint8_t *bytes; /* malloc'ed, width * height * channels */
     float *floats;
     char channel_names[RND_MAX_CHANNELS][32];
@@ -23,8 +31,8 @@ struct rnd_pixels {
 
 /* Read the first part of an image file, or of count bytes in memory named path. At most RND_MAX_CHANNELS
  * channels. Error text is one line without the path. */
-bool rnd_pixels_read(const char *path, const void *memory, size_t count, bool want_bytes,
-                     struct rnd_pixels *out_pixels, char *out_error, size_t error_size);
+bool rnd_pixels_read(const char *path, const void *memory, size_t count, enum rnd_pixels_use use,
+                     bool want_bytes, struct rnd_pixels *out_pixels, char *out_error, size_t error_size);
 void rnd_pixels_finish(struct rnd_pixels *pixels);
 
 /* No wider integers: OpenImageIO takes 0..1 for all of an integer's range, so that counts would not survive.

@@ -34,8 +34,8 @@ static uint8_t wrap_of(enum aiTextureMapMode mode)
 }
 
 /* False if the material names an image that cannot be read. */
-static bool read_map(struct reader *r, enum aiTextureType type, enum rnd_map_use use, bool srgb,
-                     struct rnd_material *to)
+static bool read_map(struct reader *r, enum aiTextureType type, enum rnd_map_use use,
+                     enum rnd_pixels_use pixels, struct rnd_material *to)
 {
     struct aiString name;
     unsigned channel = 0;
@@ -57,7 +57,7 @@ static bool read_map(struct reader *r, enum aiTextureType type, enum rnd_map_use
         char label[300]; /* OpenImageIO goes by the ending */
         snprintf(label, sizeof label, "%.200s: texture %lu.%s", r->path, i,
                  strcmp(texture->achFormatHint, "jpeg") == 0 ? "jpg" : texture->achFormatHint);
-        map->texture = rnd_texture_add(r->scene, label, texture->pcData, texture->mWidth, srgb, r->error);
+        map->texture = rnd_texture_add(r->scene, label, texture->pcData, texture->mWidth, pixels, r->error);
         return map->texture >= 0;
     }
     char path[4096];
@@ -66,7 +66,7 @@ static bool read_map(struct reader *r, enum aiTextureType type, enum rnd_map_use
         return fail(r, "a texture's path is too long");
     for (char *c = path; *c; c++)
         if (*c == '\\') *c = '/';
-    map->texture = rnd_texture_add(r->scene, path, NULL, 0, srgb, r->error);
+    map->texture = rnd_texture_add(r->scene, path, NULL, 0, pixels, r->error);
     return map->texture >= 0;
 }
 
@@ -116,12 +116,12 @@ static vec3s each_side(vec3s through)
 /* What is neither mirror nor glass, with a coat or without. */
 static bool read_matt(struct reader *r, bool coat, vec3s ks, float ns, struct rnd_material *to)
 {
-    if (!read_map(r, aiTextureType_DIFFUSE, RND_MAP_BASE, true, to)) return false;
+    if (!read_map(r, aiTextureType_DIFFUSE, RND_MAP_BASE, RND_PIXELS_COLOUR, to)) return false;
     if (!coat) return true;
     /* Phong's exponent to GGX alpha (Walter 2007, section 5.3), then to roughness */
     to->roughness = sqrtf(sqrtf(2.0f / (ns + 2.0f)));
     rnd_material_set_f0(to, glms_vec3_minv(ks, glms_vec3_one()));
-    return read_map(r, aiTextureType_SPECULAR, RND_MAP_SPECULAR_COLOUR, true, to);
+    return read_map(r, aiTextureType_SPECULAR, RND_MAP_SPECULAR_COLOUR, RND_PIXELS_COLOUR, to);
 }
 
 /* illum 3, 5 and 8 are mirrors, 6 and 7 glass that refracts, 4 and 9 glass that does not, 2 a glossy coat
@@ -154,8 +154,8 @@ bool rnd_mtl_material(struct rnd_scene *scene, const struct aiScene *file, const
     to->double_sided = true;
     to->metallic = 0.0f;
     to->specular = 0.0f;
-    if (!read_map(&r, aiTextureType_EMISSIVE, RND_MAP_EMISSION, true, to) ||
-        !read_map(&r, aiTextureType_NORMALS, RND_MAP_NORMAL, false, to))
+    if (!read_map(&r, aiTextureType_EMISSIVE, RND_MAP_EMISSION, RND_PIXELS_COLOUR, to) ||
+        !read_map(&r, aiTextureType_NORMALS, RND_MAP_NORMAL, RND_PIXELS_DATA, to))
         return false;
     if (glass) {
         to->base = each_side(tf);
@@ -171,7 +171,7 @@ bool rnd_mtl_material(struct rnd_scene *scene, const struct aiScene *file, const
         return false;
     }
     if (!glass) { /* whose d is the glass once more */
-        if (!read_map(&r, aiTextureType_OPACITY, RND_MAP_COVERAGE, false, to)) return false;
+        if (!read_map(&r, aiTextureType_OPACITY, RND_MAP_COVERAGE, RND_PIXELS_DATA, to)) return false;
         to->alpha = d;
         if (d < 1.0f || to->map[RND_MAP_COVERAGE].texture >= 0) to->alpha_mode = RND_BLEND;
     }

@@ -141,8 +141,8 @@ void rnd_scene_unsupported(struct rnd_scene *scene, const char *name);
 
 /* texture.c: index of the texture of this path (or of bytes in memory, named by path), which is read later
  * and once. -1 and a line in out_error if memory is short. */
-int rnd_texture_add(struct rnd_scene *scene, const char *path, const void *memory, size_t count, bool srgb,
-                    char out_error[RND_ERROR_SIZE]);
+int rnd_texture_add(struct rnd_scene *scene, const char *path, const void *memory, size_t count,
+                    enum rnd_pixels_use use, char out_error[RND_ERROR_SIZE]);
 /* Read those that were added and not read yet: all, or those that are marked as first. False and a line in
  * out_error on failure. */
 bool rnd_textures_load(struct rnd_scene *scene, bool first, char out_error[RND_ERROR_SIZE]);

@@ -13,6 +13,12 @@ static inline float rnd_srgb_encode(float linear)
     return linear <= 0.0031308f ? 12.92f * linear : 1.055f * powf(linear, 1.0f / 2.4f) - 0.055f;
 }
 
+/* sRGB to linear light, both 0..1. */
+static inline float rnd_srgb_to_linear(float encoded)
+{
+    return encoded <= 0.04045f ? encoded / 12.92f : powf((encoded + 0.055f) / 1.055f, 2.4f);
+}
+
 /* An sRGB byte to linear light, 0..1: a table, since textures are decoded at every hit. */
 extern float rnd_srgb_table[256];
 

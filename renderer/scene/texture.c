@@ -14,15 +14,15 @@
 /* Of all textures with their mipmaps; what is over it loses its finest levels. */
 static const uint64_t CAP_BYTES = (uint64_t)2 << 30;
 
-int rnd_texture_add(struct rnd_scene *scene, const char *path, const void *memory, size_t count, bool srgb,
-                    char out_error[RND_ERROR_SIZE])
+int rnd_texture_add(struct rnd_scene *scene, const char *path, const void *memory, size_t count,
+                    enum rnd_pixels_use use, char out_error[RND_ERROR_SIZE])
 {
     for (uint32_t i = 0; i < scene->texture_count; i++)
-        if (scene->texture[i].srgb == srgb && strcmp(scene->texture[i].path, path) == 0) return (int)i;
+        if (scene->texture[i].use == use && strcmp(scene->texture[i].path, path) == 0) return (int)i;
 
     struct rnd_texture *grown = realloc(scene->texture, (scene->texture_count + 1) * sizeof *grown);
     if (grown) scene->texture = grown;
-    struct rnd_texture texture = {.srgb = srgb, .path = strdup(path)};
+    struct rnd_texture texture = {.use = use, .path = strdup(path)};
     if (memory && (texture.file = malloc(count ? count : 1))) {
         memcpy(texture.file, memory, count);
         texture.file_bytes = count;
@@ -96,7 +96,7 @@ static void fill_levels(struct rnd_texture *texture)
                                 texture->floats + 4 * k);
                 } else {
                     const uint8_t *b = texture->bytes;
-                    mean_bytes(texture->srgb,
+                    mean_bytes(texture->use != RND_PIXELS_DATA,
                                (const uint8_t *const[4]){b + at[0], b + at[1], b + at[2], b + at[3]},
                                texture->bytes + 4 * k);
                 }
@@ -128,7 +128,7 @@ bool rnd_texture_load(struct rnd_texture *texture, char out_error[RND_ERROR_SIZE
 {
     struct rnd_pixels pixels;
     char text[RND_ERROR_SIZE / 2];
-    if (!rnd_pixels_read(texture->path, texture->file, texture->file_bytes, true, &pixels, text,
+    if (!rnd_pixels_read(texture->path, texture->file, texture->file_bytes, texture->use, true, &pixels, text,
                          sizeof text)) {
         snprintf(out_error, RND_ERROR_SIZE, "%.200s: not a readable image: %s", texture->path, text);
         return false;

@@ -4,6 +4,7 @@
 
 #include "path/v3.h"
 #include "renderer.h"
+#include "scene/image_io.h"
 #include "scene/srgb.h"
 
 #include <math.h>
@@ -23,7 +24,7 @@ struct rnd_level {
 
 struct rnd_texture {
     char *path;
-    bool srgb;  /* the bytes of r, g and b are sRGB; floats are always linear */
+    enum rnd_pixels_use use;
     void *file; /* bytes of a file in memory until it is read, or NULL */
     size_t file_bytes;
     bool first;     /* asked for before the tree and the lights can be built */
@@ -68,7 +69,7 @@ RND_INLINE struct rnd_texel rnd_texture_texel(const struct rnd_texture *texture,
         return (struct rnd_texel){f[0], f[1], f[2], f[3]};
     }
     const uint8_t *b = texture->bytes + 4 * i;
-    if (texture->srgb)
+    if (texture->use != RND_PIXELS_DATA)
         return (struct rnd_texel){rnd_srgb_decode(b[0]), rnd_srgb_decode(b[1]), rnd_srgb_decode(b[2]),
                                   b[3] * (1.0f / 255.0f)};
     return (struct rnd_texel){b[0] * (1.0f / 255.0f), b[1] * (1.0f / 255.0f), b[2] * (1.0f / 255.0f),

@@ -68,6 +68,52 @@ static inline const char *files_text(const char *name, const char *text)
     return files_write(name, text, strlen(text));
 }
 
+/* Append a chunk of a PNG: length, name, data, CRC-32 (ISO 3309). */
+static inline size_t files_chunk(uint8_t *to, const char *name, const void *data, uint32_t count)
+{
+    uint32_t crc = ~0u;
+    memcpy(to + 4, name, 4);
+    memcpy(to + 8, data, count);
+    for (uint32_t i = 4; i < 8 + count; i++) {
+        crc ^= to[i];
+        for (int k = 0; k < 8; k++) crc = crc >> 1 ^ (crc & 1 ? 0xedb88320u : 0);
+    }
+    crc = ~crc;
+    for (int k = 0; k < 4; k++) {
+        to[k] = (uint8_t)(count >> (24 - 8 * k));
+        to[8 + count + (uint32_t)k] = (uint8_t)(crc >> (24 - 8 * k));
+    }
+    return 12 + count;
+}
+
+/* A PNG of 2 x 1 pixels, alike, all four channels of that value: 8 or 16 bits; gamma is 100000 times what
+ * its gAMA chunk says, 0: it has none. At most 128 bytes into out; their number is returned. */
+static inline size_t files_png_bytes(uint8_t *out, int bits, unsigned value, uint32_t gamma)
+{
+    static const uint8_t signature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+    const uint8_t head[13] = {0, 0, 0, 2, 0, 0, 0, 1, (uint8_t)bits, 6},
+                  exponent[4] = {(uint8_t)(gamma >> 24), (uint8_t)(gamma >> 16), (uint8_t)(gamma >> 8),
+                                 (uint8_t)gamma};
+    const int row = 1 + bits; /* its filter, then two pixels of four channels */
+    uint32_t a = 1, b = 0;    /* Adler-32 of the row */
+    uint8_t data[7 + 17 + 4] = {0x78, 1, 1, (uint8_t)row, 0, (uint8_t)~row, 0xff}; /* zlib: stored */
+    for (int i = 1; i < row; i++) data[7 + i] = (uint8_t)(bits == 16 && i % 2 ? value >> 8 : value);
+    for (int i = 0; i < row; i++) a = (a + data[7 + i]) % 65521, b = (b + a) % 65521;
+    for (int k = 0; k < 4; k++) data[7 + row + k] = (uint8_t)((b << 16 | a) >> (24 - 8 * k));
+    memcpy(out, signature, sizeof signature);
+    size_t n = sizeof signature;
+    n += files_chunk(out + n, "IHDR", head, sizeof head);
+    if (gamma) n += files_chunk(out + n, "gAMA", exponent, sizeof exponent);
+    n += files_chunk(out + n, "IDAT", data, (uint32_t)(11 + row));
+    return n + files_chunk(out + n, "IEND", "", 0);
+}
+
+static inline const char *files_png(const char *name, int bits, unsigned value, uint32_t gamma)
+{
+    uint8_t bytes[128];
+    return files_write(name, bytes, files_png_bytes(bytes, bits, value, gamma));
+}
+
 /* A constant environment map of that radiance. */
 static inline const char *files_env(const char *name, float radiance)
 {

@@ -350,6 +350,22 @@ static void tinted_pane(void **state)
     }
 }
 
+/* The sky of a map of integers is as bright as their sRGB says. */
+static void environments_of_integers(void **state)
+{
+    (void)state;
+    const char *path =
+        box_scene("speck", "newmtl m\nKd 0 0 0\n", (double[]){0, -50, 0}, (double[]){1, -49, 1});
+    const struct rnd_aim up = files_aim(0, 1, 0);
+    for (int bits = 8; bits <= 16; bits += 8) {
+        const char *env = files_png("grey.png", bits, bits == 8 ? 128 : 128 * 257, 0);
+        struct rnd_scene *scene = files_load(path, env, NULL, (float[]){0, 0, 0});
+        assert_within("a grey sky of integers", files_radiance(scene, "fv", 0, 20000, &up, 30, NULL), 0.21586,
+                      1e-4);
+        rnd_scene_destroy(scene);
+    }
+}
+
 /* An environment that is bright ahead alone, turned to the right: it is seen there, and lights a floor as
  * much. */
 static void turned_environment(void **state)
@@ -416,6 +432,7 @@ int main(void)
         cmocka_unit_test(invisible_glass),
         cmocka_unit_test(metals),
         cmocka_unit_test(lamp_behind_glass),
+        cmocka_unit_test(environments_of_integers),
         cmocka_unit_test(turned_environment),
         cmocka_unit_test(pane),
         cmocka_unit_test(tinted_pane),

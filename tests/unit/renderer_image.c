@@ -40,6 +40,31 @@ static void round_trip(void **state)
     }
 }
 
+/* A grey of 128 of 255 is sRGB whatever its bits, unless the file says otherwise. */
+static void colour_spaces(void **state)
+{
+    (void)state;
+    static const struct {
+        int bits;
+        uint32_t gamma;
+        double expected;
+    } files[] = {{8, 0, 0.2158605},      {16, 0, 0.2158605},     {8, 45455, 0.2158605},
+                 {16, 45455, 0.2158605}, {8, 100000, 0.5019608}, {16, 100000, 0.5019608},
+                 {8, 55556, 0.289205},    {16, 55556, 0.289205}};
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        const int bits = files[i].bits;
+        char error[RND_ERROR_SIZE];
+        int width, height;
+        bool display = false;
+        float *rgb = rnd_image_read(files_png("grey.png", bits, bits == 8 ? 128 : 128 * 257, files[i].gamma),
+                                    &width, &height, &display, error);
+        if (!rgb) fail_msg("%s", error);
+        for (int k = 0; k < 6; k++) assert_float_equal(rgb[k], files[i].expected, 1e-5);
+        assert_int_equal(display, files[i].gamma != 100000);
+        free(rgb);
+    }
+}
+
 static void refused(void **state)
 {
     (void)state;
@@ -188,8 +213,8 @@ static void relative_rmse(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(round_trip), cmocka_unit_test(refused),       cmocka_unit_test(directions),
-        cmocka_unit_test(calm_poles), cmocka_unit_test(relative_rmse),
+        cmocka_unit_test(round_trip), cmocka_unit_test(colour_spaces), cmocka_unit_test(refused),
+        cmocka_unit_test(directions), cmocka_unit_test(calm_poles),    cmocka_unit_test(relative_rmse),
     };
     return cmocka_run_group_tests_name("renderer_image", tests, files_setup, files_teardown);
 }

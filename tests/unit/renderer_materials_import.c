@@ -170,7 +170,7 @@ static void maps(void **state)
             continue;
         }
         assert_true(m->map[use].texture >= 0);
-        assert_int_equal(scene->texture[m->map[use].texture].srgb, colour);
+        assert_int_equal(scene->texture[m->map[use].texture].use, colour ? RND_PIXELS_SRGB : RND_PIXELS_DATA);
     }
     assert_int_equal(scene->texture_count, 2); /* one image, as colours and as numbers */
     rnd_scene_destroy(scene);
@@ -352,7 +352,8 @@ static void mtl(void **state)
     NEAR(m->roughness, sqrtf(sqrtf(0.02f)));
     assert_int_equal(m->map[RND_MAP_BASE].wrap[0], RND_CLAMP);
     assert_true(m->map[RND_MAP_SPECULAR_COLOUR].texture >= 0 && m->map[RND_MAP_COVERAGE].texture >= 0);
-    assert_false(scene->texture[m->map[RND_MAP_NORMAL].texture].srgb);
+    assert_int_equal(scene->texture[m->map[RND_MAP_NORMAL].texture].use, RND_PIXELS_DATA);
+    assert_int_equal(scene->texture[m->map[RND_MAP_BASE].texture].use, RND_PIXELS_COLOUR);
     assert_string_equal(rnd_scene_info(scene)->unsupported, "bump maps, maps of Phong's exponent");
     rnd_scene_destroy(scene);
 
@@ -378,6 +379,36 @@ static void mtl(void **state)
         assert_null(rnd_scene_load(&options, error));
         print_message("%s\n", error);
         assert_non_null(strstr(error, "m.obj: material \"m\""));
+    }
+}
+
+/* Colours of 16 bits are sRGB as those of 8 are, in glTF whatever gAMA says; alpha and normals stay as they
+ * are. */
+static void wide_images(void **state)
+{
+    (void)state;
+    static char images[700];
+    uint8_t png[128];
+    for (int marked = 0; marked < 2; marked++) {
+        const size_t count = files_png_bytes(png, 16, 128 * 257, marked ? 100000 : 0);
+        snprintf(images, sizeof images,
+                 ",\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"data:image/png;base64,%.600s\"}]",
+                 files_base64(png, count));
+        struct rnd_scene *scene =
+            with_material("{\"normalTexture\":{\"index\":0},"
+                          "\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}",
+                          images);
+        const struct rnd_material *m = only(scene);
+        const struct rnd_texel base = rnd_texture_texel(&scene->texture[m->map[RND_MAP_BASE].texture], 0),
+                               normal = rnd_texture_texel(&scene->texture[m->map[RND_MAP_NORMAL].texture], 0);
+        NEAR(base.g, 0.21586), NEAR(base.a, 0.50196), NEAR(normal.g, 0.50196);
+        rnd_scene_destroy(scene);
+
+        files_write("wide.png", png, count);
+        scene = with_mtl("newmtl m\nmap_Kd wide.png\n");
+        NEAR(rnd_texture_texel(&scene->texture[only(scene)->map[RND_MAP_BASE].texture], 0).g,
+             marked ? 0.50196 : 0.21586);
+        rnd_scene_destroy(scene);
     }
 }
 
@@ -567,6 +598,7 @@ int main(void)
         cmocka_unit_test(later),
         cmocka_unit_test(broken_values),
         cmocka_unit_test(mtl),
+        cmocka_unit_test(wide_images),
         cmocka_unit_test(coverage),
         cmocka_unit_test(coverage_of_shadows),
         cmocka_unit_test(backs),
