@@ -122,7 +122,7 @@ static void choose_sun(struct rnd_tracer *tracer, const uint32_t *list, uint32_t
     const struct rnd_lights *lights = &tracer->scene->lights;
     const struct rnd_sun *sun = lights->sun;
     struct rnd_light_choices *to = &tracer->chosen;
-    const uint32_t delta = !(sun->cos_radius < 1.0f);
+    const uint32_t delta = !(sun->drop > 0.0f);
     const float pdf = tracer->choice->group[RND_LIGHT_SUN] * (delta ? 1.0f : rnd_sun_pdf(sun));
     const struct rnd_v3_frame frame = rnd_v3_frame(sun->direction);
     const struct rnd_sun own = *sun; /* known not to change in the loop */

@@ -46,7 +46,7 @@ static void sky(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count)
     const struct rnd_lights *lights = &tracer->scene->lights;
     const struct rnd_paths *paths = &tracer->paths[0];
     const struct rnd_env *env = lights->env;
-    const struct rnd_sun *sun = lights->sun && lights->sun->cos_radius < 1.0f ? lights->sun : NULL;
+    const struct rnd_sun *sun = lights->sun && lights->sun->drop > 0.0f ? lights->sun : NULL;
     uint32_t *near = tracer->corner[0], *in = tracer->corner[1],
              *region = tracer->corner[2]; /* not in use yet */
     if (env) sky_texels(tracer, env, list, count, near, in, region);
@@ -62,7 +62,7 @@ static void sky(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count)
             const float weight = paths->pdf[i] > 0.0f ? rnd_power_heuristic(paths->pdf[i], other) : 1.0f;
             radiance = rnd_v3_scale(rnd_v3(t[0], t[1], t[2]), weight);
         }
-        if (sun && rnd_v3_dot(direction, sun->direction) >= sun->cos_radius) {
+        if (sun && rnd_drop(direction, sun->direction) <= sun->drop) {
             const float other = tracer->choice->group[RND_LIGHT_SUN] * rnd_sun_pdf(sun);
             const float weight = paths->pdf[i] > 0.0f ? rnd_power_heuristic(paths->pdf[i], other) : 1.0f;
             radiance = rnd_v3_muladd(sun->radiance, weight, radiance);

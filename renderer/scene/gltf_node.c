@@ -177,7 +177,7 @@ bool rnd_gltf_node_light(struct rnd_gltf *gltf, const json_t *node, struct rnd_p
                 : type[0] == 's' ? RND_SPOT
                                  : RND_DIRECTIONAL,
         .intensity = rnd_v3(colour[0] * intensity, colour[1] * intensity, colour[2] * intensity),
-        .cos_inner = cosf(inner),
-        .cos_outer = cosf(outer)};
+        .drop_inner = rnd_drop_of(inner),
+        .drop_outer = rnd_drop_of(outer)};
     return true;
 }

@@ -379,8 +379,8 @@ static bool read_named(struct import *in, const struct aiNode *node, const struc
                     : spot ? RND_SPOT
                            : RND_POINT,
             .intensity = rnd_v3(from->mColorDiffuse.r, from->mColorDiffuse.g, from->mColorDiffuse.b),
-            .cos_inner = cosf(from->mAngleInnerCone),
-            .cos_outer = cosf(from->mAngleOuterCone)};
+            .drop_inner = rnd_drop_of(from->mAngleInnerCone),
+            .drop_outer = rnd_drop_of(from->mAngleOuterCone)};
         if (!add_light(in, light, world, from->mPosition, from->mDirection)) return false;
     }
     return true;

@@ -13,11 +13,11 @@ void rnd_sun_init(struct rnd_sun *sun, const float options[4])
     float towards[3];
     rnd_direction(glm_rad(options[0]), glm_rad(options[1]), towards);
     sun->direction = rnd_v3(towards[0], towards[1], towards[2]);
-    sun->cos_radius = cosf(glm_rad(options[3]) * 0.5f);
-    /* The cosine of so small a radius is rounded, to 1 below 0.03 degrees: the radiance is that of the disc
-     * as it then is, so that the irradiance is as asked for. */
-    const float cap = rnd_sun_cap(sun), sin2 = cap * (2.0f - cap);
-    const float value = cap > 0.0f ? options[2] / ((float)M_PI * sin2) : options[2];
+    /* A disc that is no wider than the steps between directions is a point. */
+    const double radius = (double)options[3] * 0.5 * M_PI / 180.0, sine = sin(radius);
+    const bool disc = radius > 1e-6;
+    sun->drop = disc ? rnd_drop_of(radius) : 0.0f;
+    const float value = disc ? (float)((double)options[2] / (M_PI * sine * sine)) : options[2];
     sun->radiance = rnd_v3(value, value, value);
 }
 
@@ -203,7 +203,8 @@ static bool build_punctual(struct rnd_scene *scene, double *out_power)
     return ok;
 }
 
-/* Is there a surface that an eye sees without a light: one that is unlit, or emits where it is there at all? */
+/* Is there a surface that an eye sees without a light: one that is unlit, or emits where it is there at all?
+ */
 static bool shows_itself(const struct rnd_scene *scene)
 {
     for (uint32_t m = 0; m < scene->mesh_count; m++) {
@@ -305,7 +306,7 @@ static bool draw_sun(const struct rnd_lights *lights, const float u[4], struct r
     const struct rnd_sun *sun = lights->sun;
     out->distance = INFINITY;
     out->radiance = sun->radiance;
-    out->delta = !(sun->cos_radius < 1.0f);
+    out->delta = !(sun->drop > 0.0f);
     out->direction = sun->direction;
     out->part = 0;
     out->pdf = 1.0f;
@@ -338,9 +339,9 @@ static bool draw_punctual(const struct rnd_lights *lights, const struct rnd_alia
     float falloff = 1.0f / square;
     if (light->kind ==
         RND_SPOT) { /* KHR_lights_punctual: squared linear ramp of the cosine between the cones */
-        const float c = -rnd_v3_dot(out->direction, light->direction);
-        const float span = fmaxf(light->cos_inner - light->cos_outer, 1e-4f);
-        const float ramp = fmaxf(0.0f, fminf(1.0f, (c - light->cos_outer) / span));
+        const float drop = rnd_drop(rnd_v3_scale(out->direction, -1.0f), light->direction);
+        const float span = fmaxf(light->drop_outer - light->drop_inner, FLT_MIN);
+        const float ramp = fmaxf(0.0f, fminf(1.0f, (light->drop_outer - drop) / span));
         falloff *= ramp * ramp;
     }
     out->radiance = rnd_v3_scale(light->intensity, falloff);

@@ -155,28 +155,37 @@ bool rnd_env_choose(const struct rnd_env *env, const float probability[RND_ENV_R
 struct rnd_sun {
     struct rnd_v3 direction; /* towards it */
     struct rnd_v3 radiance;  /* within its disc; irradiance when it is a point */
-    float cos_radius;        /* 1: a point */
+    float drop;              /* 1 - cosine of its angular radius; 0: a point */
 };
 
 void rnd_sun_init(struct rnd_sun *sun, const float options[4]);
 
-/* 1 - cos of the radius: exact, since the cosine is above one half. */
-RND_INLINE float rnd_sun_cap(const struct rnd_sun *sun)
+/* 1 - cosine of the angle between two unit vectors: half the square of what is between their ends. To
+ * subtract a cosine from 1 would round all angles below 0.02 degrees to nothing. */
+RND_INLINE float rnd_drop(struct rnd_v3 a, struct rnd_v3 b)
 {
-    return 1.0f - sun->cos_radius;
+    const struct rnd_v3 chord = rnd_v3_sub(a, b);
+    return 0.5f * rnd_v3_dot(chord, chord);
+}
+
+/* The same of an angle, rad. */
+static inline float rnd_drop_of(double angle)
+{
+    const double s = sin(0.5 * angle);
+    return (float)(2.0 * s * s);
 }
 
 /* Within its disc, per steradian. */
 RND_INLINE float rnd_sun_pdf(const struct rnd_sun *sun)
 {
-    return 1.0f / (2.0f * (float)M_PI * rnd_sun_cap(sun));
+    return 1.0f / (2.0f * (float)M_PI * sun->drop);
 }
 
 /* A direction within its disc; frame is rnd_v3_frame() of its direction. */
 RND_INLINE struct rnd_v3 rnd_sun_draw(const struct rnd_sun *sun, const struct rnd_v3_frame *frame, float u,
                                       float v)
 {
-    const float drop = u * rnd_sun_cap(sun), r = sqrtf(rnd_larger(drop * (2.0f - drop), 0.0f));
+    const float drop = u * sun->drop, r = sqrtf(rnd_larger(drop * (2.0f - drop), 0.0f));
     float sine, cosine;
     rnd_turn(v, &sine, &cosine);
     return rnd_v3_to_world(frame, rnd_v3(r * cosine, r * sine, 1.0f - drop));
@@ -198,7 +207,7 @@ struct rnd_punctual {
     struct rnd_v3 direction; /* where it shines; spot and directional */
     struct rnd_v3 intensity; /* W/sr; directional: irradiance W/m^2 */
     enum { RND_POINT, RND_SPOT, RND_DIRECTIONAL } kind;
-    float cos_inner, cos_outer; /* spot */
+    float drop_inner, drop_outer; /* spot: rnd_drop_of() its angles */
 };
 
 /* --- all --- */

@@ -189,6 +189,9 @@ static void punctual(void **state)
          "\"translation\":[0,2,0],\"rotation\":[-0.707106781,0,0,0.707106781]", 10},
         {"spot light, outside", "{\"type\":\"spot\",\"intensity\":40,\"spot\":{\"outerConeAngle\":0.2}}",
          "\"translation\":[0,2,0],\"rotation\":[-0.258819045,0,0,0.965925826]", 0},
+        {"spot light of half a degree, in its middle",
+         "{\"type\":\"spot\",\"intensity\":40,\"spot\":{\"innerConeAngle\":0.002,\"outerConeAngle\":0.004}}",
+         "\"translation\":[0,2,0],\"rotation\":[-0.707106781,0,0,0.707106781]", 10},
     };
     const struct rnd_aim aim = files_aim(0, -1, 0);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

@@ -293,7 +293,7 @@ static void shared_light(void **state)
         NEAR(at[0].position.x, 1), NEAR(at[1].position.x, 4), NEAR(at[1].position.z, 6);
         NEAR(at[0].direction.z, -1), NEAR(at[1].direction.z, 1);
         NEAR(at[1].intensity.x, 2), NEAR(at[1].intensity.z, 0.5f);
-        NEAR(at[0].cos_inner, 1), NEAR(at[0].cos_outer, cosf(1.5f));
+        NEAR(at[0].drop_inner, 0), NEAR(at[0].drop_outer, 1 - cosf(1.5f));
         NEAR(rnd_scene_info(scene)->eye[1], 2);
         rnd_scene_destroy(scene);
     }
