@@ -131,7 +131,7 @@ static void cast_shadows(struct rnd_tracer *tracer, uint32_t count)
     const struct rnd_surfaces *s = &tracer->surfaces;
     const struct rnd_light_choices *lights = &tracer->lights;
     struct rnd_shadows *to = &tracer->shadows;
-    const float limit = rnd_firefly_limit(tracer);
+    const float limit = rnd_firefly_limit(tracer, tracer->depth);
     uint32_t *order = tracer->order, n = 0;
     for (uint32_t j = 0; j < count; j++) {
         order[n] = j;

@@ -8,9 +8,10 @@
 
 /* --- sky --- */
 
+/* Add light that a path found at the end of its ray: it lights the surface that the ray left. */
 static void add(struct rnd_tracer *tracer, uint32_t id, struct rnd_v3 brought)
 {
-    const struct rnd_v3 radiance = rnd_clamp_firefly(brought, rnd_firefly_limit(tracer));
+    const struct rnd_v3 radiance = rnd_clamp_firefly(brought, rnd_firefly_limit(tracer, tracer->depth - 1));
     tracer->io->radiance[0][id] += radiance.x;
     tracer->io->radiance[1][id] += radiance.y;
     tracer->io->radiance[2][id] += radiance.z;

@@ -202,10 +202,11 @@ RND_INLINE void rnd_dither(uint32_t seed, uint32_t index, uint32_t which, float 
     *out_s = (float)(int32_t)(h >> 16) * 0x1p-16f;
 }
 
-/* What luminance of this step's light is clamped to: it is, if it came by way of a second surface. */
-RND_INLINE float rnd_firefly_limit(const struct rnd_tracer *tracer)
+/* What luminance of light is clamped to, that surface arrived at: the eye's first surface is 0. Light is
+ * clamped if it came by way of a second surface, whichever way it was found. */
+RND_INLINE float rnd_firefly_limit(const struct rnd_tracer *tracer, int surface)
 {
-    return tracer->depth > 0 ? tracer->firefly : INFINITY;
+    return surface > 0 ? tracer->firefly : INFINITY;
 }
 
 RND_INLINE struct rnd_v3 rnd_clamp_firefly(struct rnd_v3 radiance, float limit)

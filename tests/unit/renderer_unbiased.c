@@ -103,36 +103,48 @@ static void gaze_is_no_bias(void **state)
     assert_true(squares / compared < 4.0); /* 1.3 is expected of t with eight degrees */
 }
 
+/* Sum of the room's radiance with light clamped, after so many bounces (0: all). */
+static double render_clamped(const struct rnd_scene *scene, float clamp, int bounces)
+{
+    static float rgb[3 * PIXELS];
+    const struct rnd_render_options options = {.width = WIDTH,
+                                               .height = HEIGHT,
+                                               .seed = 5,
+                                               .max_bounces = bounces,
+                                               .firefly = clamp,
+                                               .distribution = rnd_distribution_find("od")};
+    char error[RND_ERROR_SIZE];
+    struct rnd_batch batch;
+    double sum = 0.0;
+    struct rnd_render *render = rnd_render_create(scene, &options, error);
+    if (!render) fail_msg("%s", error);
+    const struct rnd_aim aim = files_aim(0, 0, -1);
+    for (int i = 0; i < 8; i++) rnd_render_batch(render, &aim, 0, PIXELS / 2, &batch);
+    rnd_render_resolve(render, rgb, NULL, NULL);
+    rnd_render_destroy(render);
+    for (int i = 0; i < 3 * PIXELS; i++) sum += (double)rgb[i];
+    return sum;
+}
+
 /* The clamp is off unless asked for, and what it costs is told: the room's mean radiance with indirect light
- * clamped, of that without. Only what came by way of a second surface is less. */
+ * clamped, of that without. Only what came by way of a second surface is less, however it was found: direct
+ * light is not, neither when it was chosen nor when a direction of the surface met it. */
 static void clamp_darkens(void **state)
 {
     (void)state;
-    static float rgb[3 * PIXELS];
     static const float clamp[] = {0, 1000, 1, 0.1f};
-    double mean[4] = {0};
+    double all[4], direct[4];
     struct rnd_scene *scene = files_load(files_room("room.obj"), NULL, NULL, NULL);
     for (int k = 0; k < 4; k++) {
-        const struct rnd_render_options options = {.width = WIDTH,
-                                                   .height = HEIGHT,
-                                                   .seed = 5,
-                                                   .firefly = clamp[k],
-                                                   .distribution = rnd_distribution_find("od")};
-        char error[RND_ERROR_SIZE];
-        struct rnd_batch batch;
-        struct rnd_render *render = rnd_render_create(scene, &options, error);
-        if (!render) fail_msg("%s", error);
-        const struct rnd_aim aim = files_aim(0, 0, -1);
-        for (int i = 0; i < 8; i++) rnd_render_batch(render, &aim, 0, PIXELS / 2, &batch);
-        rnd_render_resolve(render, rgb, NULL, NULL);
-        rnd_render_destroy(render);
-        for (int i = 0; i < 3 * PIXELS; i++) mean[k] += rgb[i];
-        print_message("indirect light clamped to %g: mean %.2f %% of what it is\n", clamp[k],
-                      100 * mean[k] / mean[0]);
+        all[k] = render_clamped(scene, clamp[k], 0);
+        direct[k] = render_clamped(scene, clamp[k], 1);
+        print_message("clamped to %g: mean %.2f %% of what it is, direct light %.2f %%\n", (double)clamp[k],
+                      100 * all[k] / all[0], 100 * direct[k] / direct[0]);
     }
     rnd_scene_destroy(scene);
-    assert_true(mean[1] == mean[0]); /* no path of this room is that bright */
-    assert_true(mean[2] < mean[1] && mean[3] < 0.98 * mean[0]);
+    assert_true(all[1] == all[0]); /* no path of this room is that bright */
+    assert_true(all[2] < all[1] && all[3] < 0.98 * all[0]);
+    for (int k = 1; k < 4; k++) assert_true(direct[k] == direct[0]);
 }
 
 /* The pixels of a small plate under the eye, on the floor of a room that is lit by way of its ceiling. */
