@@ -277,7 +277,7 @@ int main(int argc, char **argv)
         dmn_loop_run(daemon.loop);
     }
     stop(&daemon, &work);
-    if (good) good = work.error ? fail(work.error) : finish(&daemon, &work);
+    if (good) good = finish(&daemon, &work);
     dmn_edits_destroy(daemon.common.edits);
     dmn_painter_destroy(daemon.common.painter);
     dmn_gaze_close(daemon.common.gaze);

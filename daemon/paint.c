@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "paint.h"
+#include "report.h"
 
 enum {
     FIRST_PATHS = 2048, /* of the first batch: short on any machine */
@@ -33,7 +33,6 @@ struct dmn_painter {
     uint64_t gaze_ns, aimed_ns; /* of the aim: when its gaze arrived, when the first batch with it began */
     uint32_t converged;
     bool reading; /* textures of the scene are, and the picture does without them */
-    char error[RND_ERROR_SIZE];
 
     pthread_mutex_t lock; /* of all that follows */
     struct dmn_work work; /* written by the painter's thread alone, which reads it without the lock */
@@ -139,14 +138,15 @@ static uint32_t next_paths(const struct dmn_painter *painter, uint32_t paths, co
 /* Begin a new generation, if one is due. */
 static bool restart(struct dmn_painter *painter)
 {
-    const enum rnd_textures textures = rnd_scene_take_textures(painter->options.scene, painter->error);
+    const char *warnings;
+    const enum rnd_textures textures = rnd_scene_take_textures(painter->options.scene, &warnings);
     struct dmn_work *work = &painter->work;
     struct rnd_scene *next;
     bool due;
 
     painter->reading = textures == RND_TEXTURES_READING;
+    dmn_report_warnings(warnings);
     pthread_mutex_lock(&painter->lock);
-    if (textures == RND_TEXTURES_BROKEN) work->error = painter->error;
     due = painter->due || textures == RND_TEXTURES_CAME;
     next = painter->next;
     if (due) {
@@ -186,7 +186,6 @@ static void *paint(void *argument)
         uint64_t aimed_ns;
 
         first |= restart(painter);
-        if (painter->work.error) break;
         if (options->virtual_clock) dmn_gaze_advance(options->gaze, virtual_ns);
         dmn_gaze_aim(options->gaze, &aim);
         aimed_ns = first_aimed_ns(painter, &aim, options->virtual_clock ? virtual_ns : dmn_now_ns());

@@ -33,7 +33,6 @@ struct dmn_work {
     double share;                                /* of what --until asks, 0 to 1 */
     uint64_t now_ns;                             /* the virtual clock; with the real one, CLOCK_MONOTONIC */
     bool done;
-    const char *error; /* why painting ended before it was done, or NULL; the painter's */
 };
 
 /* NULL if memory is short or no thread can be made. */

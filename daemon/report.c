@@ -27,8 +27,17 @@ void dmn_report_scene(const struct rnd_scene_info *info, const char *path, char 
         info->build_seconds);
 }
 
+void dmn_report_warnings(const char *lines)
+{
+    for (size_t length; *lines; lines += length + 1) {
+        length = strcspn(lines, "\n");
+        fprintf(stderr, "fovead: warning: %.*s\n", (int)length, lines);
+    }
+}
+
 void dmn_report_left_out(const struct rnd_scene_info *info, const char *path)
 {
+    dmn_report_warnings(info->warnings);
     if (*info->unsupported)
         fprintf(stderr, "fovead: %s asks for what is left out here: %s\n", path, info->unsupported);
 }

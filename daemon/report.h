@@ -9,7 +9,11 @@
 /* One line on the scene, for the start line and for Welcome. */
 void dmn_report_scene(const struct rnd_scene_info *info, const char *path, char *out_line, size_t size);
 
-/* A line on stderr on what the file asks for and the renderer does not do, if there is such a thing. */
+/* Lines of warnings on stderr. */
+void dmn_report_warnings(const char *lines);
+
+/* Warnings of the scene, and a line on stderr on what the file asks for and the renderer does not do, if
+ * there is such a thing. */
 void dmn_report_left_out(const struct rnd_scene_info *info, const char *path);
 
 /* Progress towards --until on stderr: a bar redrawn in place on a terminal, else a line every few seconds.

@@ -58,19 +58,22 @@ struct rnd_scene_info {
     double read_seconds, build_seconds; /* import and textures; BVH and light tables */
     const char *
         unsupported; /* what the file asks for and the renderer does not do, comma-separated; "" if nothing */
+    const char *warnings; /* what was mended, and images that cannot be read: lines, each with its end; "" if
+                             nothing */
 };
 
 /* Load a scene. NULL and a line in out_error when the file is missing or broken, holds no triangle or a
- * vertex that is not finite, an image cannot be read, or nothing in it gives light. The caller frees with
- * rnd_scene_destroy(). */
+ * vertex that is not finite, the environment map cannot be read, or nothing in it gives light. The caller
+ * frees with rnd_scene_destroy(). */
 struct rnd_scene *rnd_scene_load(const struct rnd_scene_options *options, char out_error[RND_ERROR_SIZE]);
 void rnd_scene_destroy(struct rnd_scene *scene); /* accepts NULL; after every render of it */
 
 /* Use the textures of a scene that was loaded without waiting for them, if they have been read by now: a
- * render of it must then be restarted. Not while one of its renders is at a batch. RND_TEXTURES_BROKEN and a
- * line in out_error if one cannot be read: the scene stays as it is. */
-enum rnd_textures { RND_TEXTURES_IN_USE, RND_TEXTURES_READING, RND_TEXTURES_CAME, RND_TEXTURES_BROKEN };
-enum rnd_textures rnd_scene_take_textures(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE]);
+ * render of it must then be restarted. Not while one of its renders is at a batch. When they came,
+ * *out_warnings is a line, with its end, for each that cannot be read; materials go on without it. The text
+ * is the scene's. */
+enum rnd_textures { RND_TEXTURES_IN_USE, RND_TEXTURES_READING, RND_TEXTURES_CAME };
+enum rnd_textures rnd_scene_take_textures(struct rnd_scene *scene, const char **out_warnings);
 
 const struct rnd_scene_info *rnd_scene_info(const struct rnd_scene *scene);
 

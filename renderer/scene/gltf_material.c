@@ -94,7 +94,12 @@ static int add_image(struct reader *r, const json_t *index, bool srgb)
         size_t count = 0;
         uint8_t *bytes = uri ? rnd_gltf_data_uri(uri, &count)
                              : rnd_gltf_view(r->gltf, json_object_get(image, "bufferView"), &count);
-        if (!bytes && uri) fail(r, "an image's data URI is not base64");
+        if (!bytes && uri) {
+            rnd_warn(&r->scene->warnings,
+                     "%s: images[%d].uri: expected base64; what it is for goes by its factor alone",
+                     r->gltf->path, (int)json_integer_value(index));
+            return -1;
+        }
         if (bytes) {
             snprintf(path, sizeof path, "%.200s: image %d.%s", r->gltf->path, (int)json_integer_value(index),
                      ending(bytes, count, image));
@@ -193,12 +198,10 @@ static void read_specular_glossiness(struct reader *r, const json_t *json)
     const int texture = to->map[RND_MAP_SPECULAR_COLOUR].texture;
     if (texture >= 0) { /* of the glossiness only the mean is taken: the texel of the coarsest mipmap */
         struct rnd_texture *t = &r->scene->texture[texture];
-        if (t->levels == 0 && !rnd_texture_load(t, r->gltf->error)) {
-            r->ok = false;
-            return;
+        if (t->levels > 0 || rnd_texture_load(t)) {
+            gloss *= rnd_texture_texel(t, t->level[t->levels - 1].first).a;
+            rnd_scene_unsupported(r->scene, "glossiness maps (their mean is taken)");
         }
-        gloss *= rnd_texture_texel(t, t->level[t->levels - 1].first).a;
-        rnd_scene_unsupported(r->scene, "glossiness maps (their mean is taken)");
     }
     to->roughness = 1.0f - gloss;
 }

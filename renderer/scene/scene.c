@@ -1,6 +1,7 @@
 /* Loading a scene: the parts in order, and their end. */
 #include "scene/scene.h"
 
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,6 +21,29 @@ static double seconds(void)
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+void rnd_warn(struct rnd_warnings *warnings, const char *format, ...)
+{
+    enum { MOST_LINES = 20 };
+    char line[2 * RND_ERROR_SIZE];
+    va_list arguments;
+    va_start(arguments, format);
+    const int wanted = vsnprintf(line, sizeof line - 1, format, arguments);
+    va_end(arguments);
+    if (wanted < 0 || warnings->lines > MOST_LINES) return;
+    for (char *c = line; *c; c++) /* names of the file may hold anything */
+        if ((unsigned char)*c < ' ' || *c == 0x7f) *c = ' ';
+    if (warnings->lines == MOST_LINES) strcpy(line, "and more of the kind");
+    strcat(line, "\n");
+    if (warnings->text && strstr(warnings->text, line)) return;
+    const size_t length = strlen(line);
+    char *grown = realloc(warnings->text, warnings->size + length + 1);
+    if (!grown) return;
+    memcpy(grown + warnings->size, line, length + 1);
+    warnings->text = grown;
+    warnings->size += length;
+    warnings->lines++;
 }
 
 /* What can be done at the same time: reading textures is one thread's, all that needs triangles alone
@@ -61,17 +85,18 @@ static bool build(struct rnd_scene *scene, const struct rnd_scene_options *optio
     struct building geometry = {.scene = scene};
     pthread_t thread;
     mark_first_textures(scene);
-    if (!rnd_textures_load(scene, true, out_error)) return false;
+    rnd_textures_load(scene, true);
+    rnd_textures_drop_unread(scene, &scene->warnings);
     if (options->textures_later) {
         build_geometry(&geometry);
     } else {
         const bool apart = pthread_create(&thread, NULL, build_geometry, &geometry) == 0;
-        const bool textures = rnd_textures_load(scene, false, out_error);
+        rnd_textures_load(scene, false);
         if (apart)
             pthread_join(thread, NULL);
         else
             build_geometry(&geometry);
-        if (!textures) return false;
+        rnd_textures_drop_unread(scene, &scene->warnings);
         rnd_textures_cap(scene);
     }
     if (!geometry.ok) memcpy(out_error, geometry.error, RND_ERROR_SIZE);
@@ -83,7 +108,7 @@ static bool build(struct rnd_scene *scene, const struct rnd_scene_options *optio
 static void *read_textures(void *argument)
 {
     struct rnd_scene *scene = argument;
-    if (!rnd_textures_load(scene, false, scene->texture_error)) atomic_store(&scene->broken, true);
+    rnd_textures_load(scene, false);
     atomic_store(&scene->read, true);
     return NULL;
 }
@@ -104,7 +129,8 @@ static struct rnd_material without_textures(const struct rnd_scene *scene, struc
 static bool read_later(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE])
 {
     bool any = false;
-    for (uint32_t i = 0; i < scene->texture_count; i++) any |= scene->texture[i].levels == 0;
+    for (uint32_t i = 0; i < scene->texture_count; i++)
+        any |= scene->texture[i].levels == 0 && !scene->texture[i].error;
     if (!any) {
         rnd_textures_cap(scene);
         return true;
@@ -123,20 +149,19 @@ static bool read_later(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE])
     return false;
 }
 
-enum rnd_textures rnd_scene_take_textures(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE])
+enum rnd_textures rnd_scene_take_textures(struct rnd_scene *scene, const char **out_warnings)
 {
+    *out_warnings = "";
     if (!scene->reading) return RND_TEXTURES_IN_USE;
     if (!atomic_load(&scene->read)) return RND_TEXTURES_READING;
-    if (atomic_load(&scene->broken)) {
-        memcpy(out_error, scene->texture_error, RND_ERROR_SIZE);
-        return RND_TEXTURES_BROKEN;
-    }
     pthread_join(scene->reader, NULL);
     scene->reading = false;
     rnd_textures_cap(scene);
     free(scene->material);
     scene->material = scene->textured;
     scene->textured = NULL;
+    rnd_textures_drop_unread(scene, &scene->late_warnings);
+    if (scene->late_warnings.text) *out_warnings = scene->late_warnings.text;
     return RND_TEXTURES_CAME;
 }
 
@@ -172,6 +197,7 @@ struct rnd_scene *rnd_scene_load(const struct rnd_scene_options *options, char o
     scene->info.has_env = scene->lights.env != NULL;
     scene->info.has_sun = scene->lights.sun != NULL;
     scene->info.unsupported = scene->unsupported;
+    scene->info.warnings = scene->warnings.text ? scene->warnings.text : "";
     scene->info.read_seconds = read - start;
     scene->info.build_seconds = seconds() - read;
     return scene;
@@ -208,6 +234,8 @@ void rnd_scene_destroy(struct rnd_scene *scene)
     for (uint32_t i = 0; i < scene->texture_count; i++) rnd_texture_finish(&scene->texture[i]);
     free(scene->texture);
     free(scene->record);
+    free(scene->warnings.text);
+    free(scene->late_warnings.text);
     free(scene);
 }
 

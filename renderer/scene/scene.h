@@ -106,10 +106,18 @@ struct rnd_instance {
 
 /* --- scene --- */
 
+/* Lines that a user should read, each with its end and each once; beyond a number, they are counted. */
+struct rnd_warnings {
+    char *text; /* NULL: none */
+    size_t size;
+    uint32_t lines;
+};
+
 struct rnd_scene {
     struct rnd_scene_info info;
-    char unsupported[256];
-    bool one_sided; /* some of the materials are */
+    char unsupported[1024];
+    struct rnd_warnings warnings, late_warnings; /* of the file; of textures that came later */
+    bool one_sided;                              /* some of the materials are */
     uint32_t mesh_count, material_count, texture_count;
     struct rnd_mesh *mesh;
     struct rnd_material *material;
@@ -127,10 +135,9 @@ struct rnd_scene {
     /* While textures are read: the materials with all their maps; material are those that do without. */
     struct rnd_material *textured;
     pthread_t reader;
-    bool reading;             /* there is such a thread, or was and has not been joined */
-    atomic_bool read, broken; /* it is done; and a texture could not be read */
-    atomic_bool cancelled;    /* nobody wants the textures any more */
-    char texture_error[RND_ERROR_SIZE];
+    bool reading;          /* there is such a thread, or was and has not been joined */
+    atomic_bool read;      /* it is done */
+    atomic_bool cancelled; /* nobody wants the textures any more */
 };
 
 /* import.c: geometry, materials, textures and punctual lights of a file. */
@@ -139,13 +146,18 @@ bool rnd_import(struct rnd_scene *scene, const char *path, char out_error[RND_ER
 /* Add a name to the list of what is asked for and not done, once. */
 void rnd_scene_unsupported(struct rnd_scene *scene, const char *name);
 
+/* scene.c: add a line, without its end. */
+void rnd_warn(struct rnd_warnings *warnings, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
 /* texture.c: index of the texture of this path (or of bytes in memory, named by path), which is read later
  * and once. -1 and a line in out_error if memory is short. */
 int rnd_texture_add(struct rnd_scene *scene, const char *path, const void *memory, size_t count,
                     enum rnd_pixels_use use, char out_error[RND_ERROR_SIZE]);
-/* Read those that were added and not read yet: all, or those that are marked as first. False and a line in
- * out_error on failure. */
-bool rnd_textures_load(struct rnd_scene *scene, bool first, char out_error[RND_ERROR_SIZE]);
+/* Read those that were added and not read yet: all, or those that are marked as first. Those that cannot be
+ * read say why in their error. */
+void rnd_textures_load(struct rnd_scene *scene, bool first);
+/* Take images that cannot be read from the scene's materials, with a warning of each file. */
+void rnd_textures_drop_unread(struct rnd_scene *scene, struct rnd_warnings *warnings);
 /* Bring all of them under the cap of memory, and tell what they take. */
 void rnd_textures_cap(struct rnd_scene *scene);
 

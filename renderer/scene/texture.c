@@ -40,6 +40,7 @@ int rnd_texture_add(struct rnd_scene *scene, const char *path, const void *memor
 void rnd_texture_finish(struct rnd_texture *texture)
 {
     free(texture->path);
+    free(texture->error);
     free(texture->file);
     free(texture->bytes);
     free(texture->floats);
@@ -124,15 +125,24 @@ static void take_pixels(struct rnd_texture *texture, const struct rnd_pixels *pi
         }
 }
 
-bool rnd_texture_load(struct rnd_texture *texture, char out_error[RND_ERROR_SIZE])
+/* Note why it cannot be read. */
+static bool fail(struct rnd_texture *texture, const char *what, const char *why)
+{
+    char text[RND_ERROR_SIZE];
+    snprintf(text, sizeof text, "%.200s: %s%.200s", texture->path, what, why);
+    texture->levels = 0;
+    texture->error = strdup(text);
+    return false;
+}
+
+bool rnd_texture_load(struct rnd_texture *texture)
 {
     struct rnd_pixels pixels;
     char text[RND_ERROR_SIZE / 2];
+    if (texture->error) return false;
     if (!rnd_pixels_read(texture->path, texture->file, texture->file_bytes, texture->use, true, &pixels, text,
-                         sizeof text)) {
-        snprintf(out_error, RND_ERROR_SIZE, "%.200s: not a readable image: %s", texture->path, text);
-        return false;
-    }
+                         sizeof text))
+        return fail(texture, "not a readable image: ", text);
     free(texture->file);
     texture->file = NULL;
     const size_t count = lay_out(texture, pixels.width, pixels.height);
@@ -147,8 +157,7 @@ bool rnd_texture_load(struct rnd_texture *texture, char out_error[RND_ERROR_SIZE
     if (ok) take_pixels(texture, &pixels);
     rnd_pixels_finish(&pixels);
     if (ok) fill_levels(texture);
-    if (!ok) snprintf(out_error, RND_ERROR_SIZE, "%.200s: not enough memory", texture->path);
-    return ok;
+    return ok || fail(texture, "not enough memory", "");
 }
 
 /* Forget the finest level: the others move to the front of the memory. */
@@ -187,6 +196,7 @@ void rnd_textures_cap(struct rnd_scene *scene)
         scene->info.texture_bytes = 0;
         for (uint32_t i = 0; i < scene->texture_count; i++) {
             struct rnd_texture *texture = &scene->texture[i];
+            if (texture->levels == 0) continue;
             scene->info.texture_bytes += bytes_of(texture);
             if (!largest || bytes_of(texture) > bytes_of(largest)) largest = texture;
         }
@@ -200,8 +210,6 @@ struct loading {
     struct rnd_scene *scene;
     bool first;
     _Atomic uint32_t next;
-    _Atomic uint32_t failed; /* the lowest index that did: the same line whatever thread was first */
-    char (*error)[RND_ERROR_SIZE];
 };
 
 static void *load_some(void *argument)
@@ -212,34 +220,40 @@ static void *load_some(void *argument)
         const uint32_t i = atomic_fetch_add(&loading->next, 1);
         if (i >= scene->texture_count || atomic_load(&scene->cancelled)) return NULL;
         struct rnd_texture *texture = &scene->texture[i];
-        if (texture->levels > 0 || texture->first < loading->first) continue;
-        if (rnd_texture_load(texture, loading->error[i])) continue;
-        uint32_t known = atomic_load(&loading->failed);
-        while (i < known && !atomic_compare_exchange_weak(&loading->failed, &known, i)) continue;
+        if (texture->levels == 0 && texture->first >= loading->first) rnd_texture_load(texture);
     }
 }
 
-bool rnd_textures_load(struct rnd_scene *scene, bool first, char out_error[RND_ERROR_SIZE])
+void rnd_textures_load(struct rnd_scene *scene, bool first)
 {
     enum { MOST = 64 };
     const long threads = sysconf(_SC_NPROCESSORS_ONLN);
-    struct loading loading = {.scene = scene, .first = first, .failed = UINT32_MAX};
+    struct loading loading = {.scene = scene, .first = first};
     pthread_t thread[MOST];
     int started = 0;
-    if (scene->texture_count == 0) return true;
-    if (!(loading.error = calloc(scene->texture_count, sizeof *loading.error))) {
-        snprintf(out_error, RND_ERROR_SIZE, "not enough memory for textures");
-        return false;
-    }
+    if (scene->texture_count == 0) return;
     while (started < threads - 1 && started < MOST && started + 1 < (int)scene->texture_count &&
            pthread_create(&thread[started], NULL, load_some, &loading) == 0)
         started++;
     load_some(&loading);
     while (started > 0) pthread_join(thread[--started], NULL);
-    const uint32_t failed = atomic_load(&loading.failed);
-    if (failed != UINT32_MAX) memcpy(out_error, loading.error[failed], RND_ERROR_SIZE);
-    free(loading.error);
-    return failed == UINT32_MAX;
+}
+
+void rnd_textures_drop_unread(struct rnd_scene *scene, struct rnd_warnings *warnings)
+{
+    bool any = false;
+    for (uint32_t i = 0; i < scene->texture_count; i++) {
+        const struct rnd_texture *texture = &scene->texture[i];
+        if (!texture->error) continue;
+        any = true;
+        if (scene->warnings.text && strstr(scene->warnings.text, texture->error)) continue;
+        rnd_warn(warnings, "%s; what it is for goes by its factor alone", texture->error);
+    }
+    for (uint32_t i = 0; any && i < scene->material_count; i++)
+        for (int use = 0; use < RND_MAPS; use++) {
+            int *texture = &scene->material[i].map[use].texture;
+            if (*texture >= 0 && scene->texture[*texture].error) *texture = -1;
+        }
 }
 
 /* --- looking --- */

@@ -27,9 +27,10 @@ struct rnd_texture {
     enum rnd_pixels_use use;
     void *file; /* bytes of a file in memory until it is read, or NULL */
     size_t file_bytes;
-    bool first;     /* asked for before the tree and the lights can be built */
-    bool has_alpha; /* the file has a channel for it; else it is 1 everywhere */
-    int levels;
+    bool first;                             /* asked for before the tree and the lights can be built */
+    bool has_alpha;                         /* the file has a channel for it; else it is 1 everywhere */
+    int levels;                             /* 0: not read */
+    char *error;                            /* why it cannot be read: a line, or NULL */
     float log2_size;                        /* of the square root of the finest level's texels */
     struct rnd_level level[RND_MAX_LEVELS]; /* each half of the one before, the last a single texel */
     uint8_t *bytes;                         /* RGBA, levels one behind the other; NULL if floats */
@@ -40,8 +41,8 @@ struct rnd_texel {
     float r, g, b, a; /* linear */
 };
 
-/* Read the file, and make the mipmaps. False and a line in out_error on failure. */
-bool rnd_texture_load(struct rnd_texture *texture, char out_error[RND_ERROR_SIZE]);
+/* Read the file, and make the mipmaps. False on failure; texture->error says why. */
+bool rnd_texture_load(struct rnd_texture *texture);
 void rnd_texture_finish(struct rnd_texture *texture);
 
 /* A texture coordinate brought into [0, 1]. */

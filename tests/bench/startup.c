@@ -69,10 +69,11 @@ static bool measure(const struct setup *setup, int turn, double figure[FIGURES][
         figure[BUILD][turn] = out_info->build_seconds;
         figure[OUTLINE][turn] = bench_seconds(CLOCK_MONOTONIC) - start;
         figure[AFTER_READ][turn] = figure[BUILD][turn] + figure[OUTLINE][turn];
+        const char *warnings;
         enum rnd_textures textures;
-        while ((textures = rnd_scene_take_textures(scene, error)) == RND_TEXTURES_READING)
+        while ((textures = rnd_scene_take_textures(scene, &warnings)) == RND_TEXTURES_READING)
             rnd_render_batch(render, &aim, 0, BATCH, &batch);
-        if (textures == RND_TEXTURES_BROKEN) exit((fprintf(stderr, "fovea-bench: %s\n", error), 1));
+        if (*warnings) exit((fprintf(stderr, "fovea-bench: %s", warnings), 1));
         rnd_render_restart(render, scene, out_info->eye);
         rnd_render_outline(render, &aim, 0, &batch);
         figure[TEXTURED][turn] = figure[BUILD][turn] + bench_seconds(CLOCK_MONOTONIC) - start;

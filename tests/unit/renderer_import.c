@@ -89,21 +89,7 @@ static void parts_absent(void **state)
     const char *dark = files_gltf("dark.gltf", 1, node, grey, "");
     assert_refused_with(dark, NULL, "dark.gltf", "light");
 
-    static const char picture[] = "{\"emissiveFactor\":[1,1,1],\"emissiveTexture\":{\"index\":0}}",
-                      textures[] = ",\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"%s\"}]";
-    char more[400];
     files_text("text.png", "this is not a picture");
-    snprintf(more, sizeof more, textures, "text.png");
-    assert_refused_with(files_gltf("texture.gltf", 1, node, picture, more), NULL, "text.png", "image");
-    snprintf(more, sizeof more, textures, "gone.png");
-    assert_refused_with(files_gltf("texture.gltf", 1, node, picture, more), NULL, "gone.png", "image");
-    snprintf(more, sizeof more, textures, "data:image/png;base64,AAAAAAAAAAAAAAAA");
-    assert_refused_with(files_gltf("inside.gltf", 1, node, picture, more), NULL, "inside.gltf", "image");
-    files_text("gone.mtl", "newmtl m\nKd 1 1 1\nmap_Kd gone.jpg\n");
-    assert_refused_with(
-        files_text("gone.obj", "mtllib gone.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
-        files_env("env.exr", 1), "gone.jpg", "image");
-
     const char *good = files_gltf("good.gltf", 1, node, shining, "");
     assert_refused_with(good, files_path("gone.hdr"), "gone.hdr", "environment");
     assert_refused_with(good, files_path("text.png"), "text.png", "environment");
@@ -116,6 +102,56 @@ static void parts_absent(void **state)
     rgb[300] = -1.0f;
     assert_true(rnd_image_write(files_path("less.exr"), 64, 32, rgb, true, error));
     assert_refused_with(good, files_path("less.exr"), "less.exr", "pixel 100");
+}
+
+/* How often a word is in a text. */
+static int times(const char *text, const char *word)
+{
+    int count = 0;
+    for (; (text = strstr(text, word)); text += strlen(word)) count++;
+    return count;
+}
+
+/* A scene without one of its images: a line names the file, once, and the factors stand alone. */
+static void images_absent(void **state)
+{
+    (void)state;
+    static const char picture[] =
+        "{\"emissiveFactor\":[0.5,0.5,0.5],\"emissiveTexture\":{\"index\":0},\"alphaMode\":\"MASK\","
+        "\"normalTexture\":{\"index\":0},\"pbrMetallicRoughness\":{\"baseColorFactor\":[0,0,0,1],"
+        "\"baseColorTexture\":{\"index\":0}}}";
+    static const char *const uris[] = {"text.png", "gone.png", "data:image/png;base64,AAAAAAAAAAAAAAAA",
+                                       "data:image/png;base64,???"};
+    static const char *const named[] = {"text.png: ", "gone.png: ", "inside.gltf: ", "inside.gltf: "};
+    const struct rnd_aim down = files_aim(0, -1, 0);
+    files_text("text.png", "this is not a picture");
+    for (int i = 0; i < 8; i++) {
+        char more[400], error[RND_ERROR_SIZE];
+        snprintf(more, sizeof more, ",\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"%s\"}]",
+                 uris[i / 2]);
+        const struct rnd_scene_options options = {.path = files_gltf("inside.gltf", 10, node, picture, more),
+                                                  .env_path = files_env("env.exr", 1),
+                                                  .textures_later = i % 2,
+                                                  .has_eye = true,
+                                                  .eye = {0, 1, 0}};
+        struct rnd_scene *scene = rnd_scene_load(&options, error);
+        if (!scene) fail_msg("%s", error);
+        const char *lines = rnd_scene_info(scene)->warnings, *late;
+        while (rnd_scene_take_textures(scene, &late) == RND_TEXTURES_READING) continue;
+        print_message("%s%s", lines, late);
+        assert_int_equal(times(lines, named[i / 2]) + times(late, named[i / 2]), 1);
+        assert_int_equal(times(lines, "\n") + times(late, "\n"), 1);
+        assert_float_equal(files_radiance(scene, "fv", 1, 20000, &down, 30, NULL), 0.5, 0.01);
+        rnd_scene_destroy(scene);
+    }
+    files_text("gone.mtl", "newmtl m\nKd 0.25 0.25 0.25\nmap_Kd gone.jpg\nmap_d gone.jpg\n");
+    struct rnd_scene *scene = files_load(
+        files_text("gone.obj", "mtllib gone.mtl\nusemtl m\nv -9 0 -9\nv 0 0 9\nv 9 0 -9\nf 1 2 3\n"),
+        files_env("env.exr", 1), NULL, (float[]){0, 1, -3});
+    assert_int_equal(times(rnd_scene_info(scene)->warnings, "gone.jpg: "), 1);
+    assert_int_equal(times(rnd_scene_info(scene)->warnings, "\n"), 1);
+    assert_float_equal(files_radiance(scene, "fv", 0, 20000, &down, 30, NULL), 0.25, 0.005);
+    rnd_scene_destroy(scene);
 }
 
 /* A glTF whose third vertex has this x. */
@@ -347,12 +383,14 @@ static void textures(void **state)
 static void unsupported(void **state)
 {
     (void)state;
-    const char *path = files_gltf("wants.gltf", 1, node,
-                                  "{\"emissiveFactor\":[1,1,1],\"extensions\":{\"KHR_materials_iridescence\":"
-                                  "{},\"KHR_materials_anisotropy\":{\"anisotropyStrength\":1}}}",
-                                  ",\"extensionsUsed\":[\"KHR_materials_anisotropy\",\"KHR_materials_variants\"]");
+    const char *path =
+        files_gltf("wants.gltf", 1, node,
+                   "{\"emissiveFactor\":[1,1,1],\"extensions\":{\"KHR_materials_iridescence\":"
+                   "{},\"KHR_materials_anisotropy\":{\"anisotropyStrength\":1}}}",
+                   ",\"extensionsUsed\":[\"KHR_materials_anisotropy\",\"KHR_materials_variants\"]");
     struct rnd_scene *scene = files_load(path, NULL, NULL, NULL);
-    assert_string_equal(rnd_scene_info(scene)->unsupported, "anisotropy, iridescence, variants (the default is shown)");
+    assert_string_equal(rnd_scene_info(scene)->unsupported,
+                        "anisotropy, iridescence, variants (the default is shown)");
     rnd_scene_destroy(scene);
 }
 
@@ -399,10 +437,10 @@ static void blender_tests(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(not_there),   cmocka_unit_test(broken),         cmocka_unit_test(parts_absent),
-        cmocka_unit_test(not_finite),  cmocka_unit_test(hostile),        cmocka_unit_test(emissive_strength),
-        cmocka_unit_test(transforms),  cmocka_unit_test(eye_and_bounds), cmocka_unit_test(textures),
-        cmocka_unit_test(unsupported), cmocka_unit_test(blender_tests),
+        cmocka_unit_test(not_there),         cmocka_unit_test(broken),      cmocka_unit_test(parts_absent),
+        cmocka_unit_test(images_absent),     cmocka_unit_test(not_finite),  cmocka_unit_test(hostile),
+        cmocka_unit_test(emissive_strength), cmocka_unit_test(transforms),  cmocka_unit_test(eye_and_bounds),
+        cmocka_unit_test(textures),          cmocka_unit_test(unsupported), cmocka_unit_test(blender_tests),
     };
     return cmocka_run_group_tests_name("renderer_import", tests, files_setup, files_teardown);
 }
