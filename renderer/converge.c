@@ -13,14 +13,15 @@ enum { LEAST_PIXELS = 64, LEAST_PATHS = 16 };
 
 void rnd_judge(struct rnd_film_tile *tile, float error_bar)
 {
+    const struct rnd_film_pixels *pixels = tile->pixels;
     double square = 0.0, light = 0.0;
     uint32_t judged = 0, visited = 0, least = UINT32_MAX;
     for (int i = 0; i < RND_TILE_PIXELS; i++) {
-        const uint32_t even = tile->count[0][i], odd = tile->count[1][i], n = even + odd;
+        const uint32_t even = pixels->count[0][i], odd = pixels->count[1][i], n = even + odd;
         least = n < least ? n : least;
         if (n == 0) continue;
-        const float a = even ? rnd_luminance(tile->half[0][i]) : 0.0f,
-                    b = odd ? rnd_luminance(tile->half[1][i]) : 0.0f;
+        const float a = even ? rnd_luminance(pixels->half[0][i]) : 0.0f,
+                    b = odd ? rnd_luminance(pixels->half[1][i]) : 0.0f;
         light += (a + b) / n;
         visited++;
         if (odd == 0 || even == 0) continue;

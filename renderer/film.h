@@ -1,40 +1,27 @@
 /* The film: tiles of pixels with two half-sums each, so that their difference tells the error.
  *
  * A tile is written by one thread at a time; its lock is held only while finished samples are added, so that
- * a reader never sees half an addition and never waits for a ray.
+ * a reader never sees half an addition and never waits for a ray. What is known of a tile is published beside
+ * that, and is read without its lock: a thread that the system puts aside while it has a lock holds nobody up
+ * who only wants to know what there is.
+ *
+ * Pixels are most of a film and lie in memory of their own, which is not touched before a tile has more than
+ * a few paths: fresh memory is slow, and the first coarse picture must not wait for all of it.
  */
 #ifndef FOVEAD_RENDERER_FILM_H
 #define FOVEAD_RENDERER_FILM_H
 
 #include "renderer.h"
 
-#include <sched.h>
+#include <pthread.h>
 #include <stdatomic.h>
 
 enum {
     RND_TILE_PIXELS = RND_TILE * RND_TILE,
     RND_BLOCK = 8, /* pixels a side of a block, whose sums make the coarse levels cheap */
     RND_TILE_BLOCKS = (RND_TILE / RND_BLOCK) * (RND_TILE / RND_BLOCK),
-};
-
-struct rnd_film_tile {
-    atomic_flag lock; /* guards everything below */
-    struct rnd_tile state;
-    uint64_t next_judgement;            /* samples at which the error is worth a look */
-    bool passed;                        /* the last judgement was below the bar */
-    uint32_t count[2][RND_TILE_PIXELS]; /* paths in each half */
-    float half[2][RND_TILE_PIXELS][3];  /* sums of radiance; without meaning where count is 0 */
-    float block[RND_TILE_BLOCKS][4];    /* sums of radiance, and the count */
-    /* Paths that positions were drawn for: numbers of the next ones. A batch that was cut short leaves some
-     * out. Not guarded: only whoever places a batch looks at it. */
-    uint32_t drawn[RND_TILE_PIXELS];
-};
-
-struct rnd_film {
-    int width, height; /* pixels */
-    int across, down;  /* tiles */
-    float error_bar;
-    struct rnd_film_tile *tile; /* row by row */
+    RND_FEW = 32, /* paths of a tile that are listed; the first coarse picture has 16 */
+    RND_STATE_WORDS = (sizeof(struct rnd_tile) + 7) / 8,
 };
 
 /* A path's end: which pixel of its tile, what it brought. */
@@ -44,31 +31,69 @@ struct rnd_sample {
     float rgb[3];
 };
 
+/* The pixels of a tile. */
+struct rnd_film_pixels {
+    uint32_t count[2][RND_TILE_PIXELS]; /* paths in each half */
+    float half[2][RND_TILE_PIXELS][3];  /* sums of radiance; without meaning where count is 0 */
+    uint32_t drawn[RND_TILE_PIXELS];    /* paths that positions were drawn for */
+};
+
+struct rnd_film_tile {
+    pthread_mutex_t lock; /* guards all that follows, but for what is published and what is drawn */
+    struct rnd_tile state;
+    uint64_t next_judgement;         /* samples at which the error is worth a look */
+    bool passed;                     /* the last judgement was below the bar */
+    bool spread;                     /* its paths are in the pixels, and not in the list below */
+    uint32_t listed;                 /* of the list: */
+    struct rnd_sample list[RND_FEW]; /* all its paths, in the order in which they were added */
+    struct rnd_film_pixels *pixels;  /* without meaning before they are in use */
+    float block[RND_TILE_BLOCKS][4]; /* sums of radiance, and the count */
+
+    /* The state as it was published last, in the half that the turn names; the next one goes to the other. */
+    _Atomic uint32_t turn;
+    _Atomic uint64_t published[2][RND_STATE_WORDS];
+
+    /* Paths that positions were drawn for; a batch that was cut short leaves some of them out. They are in
+     * the list, or if there are more than RND_FEW in the pixels. Only whoever places a batch looks at this.
+     */
+    uint32_t drawn;
+    uint16_t drawn_list[RND_FEW];
+};
+
+struct rnd_film {
+    int width, height; /* pixels */
+    int across, down;  /* tiles */
+    float error_bar;
+    struct rnd_film_tile *tile;     /* row by row */
+    struct rnd_film_pixels *pixels; /* theirs, in the same order */
+    _Atomic uint64_t
+        *published; /* a bit for each tile: it was, and rnd_render_published() has not told so yet */
+};
+
 bool rnd_film_init(struct rnd_film *film, int width, int height, float error_bar);
 void rnd_film_finish(struct rnd_film *film);
 /* Take all paths out of a tile: it is as at first, but of that generation. */
-void rnd_film_empty(struct rnd_film_tile *tile, uint32_t generation);
+void rnd_film_empty(const struct rnd_film *film, struct rnd_film_tile *tile, uint32_t generation);
 
+/* Only of a tile whose paths are in its pixels. */
 static inline uint32_t rnd_film_count(const struct rnd_film_tile *tile, uint32_t pixel)
 {
-    return tile->count[0][pixel] + tile->count[1][pixel];
+    return tile->pixels->count[0][pixel] + tile->pixels->count[1][pixel];
+}
+
+/* The number of the next path of a pixel; the one after it has the next one. */
+uint32_t rnd_film_draw_listed(struct rnd_film_tile *tile, uint32_t pixel);
+static inline uint32_t rnd_film_draw(struct rnd_film_tile *tile, uint32_t pixel)
+{
+    return tile->drawn > RND_FEW ? tile->pixels->drawn[pixel]++ : rnd_film_draw_listed(tile, pixel);
 }
 
 /* Add samples to a tile; aim and now_ns are what it remembers as its newest batch. */
 void rnd_film_add(const struct rnd_film *film, struct rnd_film_tile *tile, const struct rnd_sample *samples,
                   uint32_t count, const struct rnd_aim *aim, uint64_t now_ns);
 
-static inline void rnd_film_lock(struct rnd_film_tile *tile)
-{
-    while (atomic_flag_test_and_set_explicit(&tile->lock, memory_order_acquire)) sched_yield();
-}
-
-static inline void rnd_film_unlock(struct rnd_film_tile *tile)
-{
-    atomic_flag_clear_explicit(&tile->lock, memory_order_release);
-}
-
-/* converge.c: the tile's error by its half-buffers, and whether it is converged. Call with the lock held. */
+/* converge.c: the tile's error by its half-buffers, and whether it is converged. Call with the lock held,
+ * when its paths are in its pixels. */
 void rnd_judge(struct rnd_film_tile *tile, float error_bar);
 
 #endif

@@ -206,6 +206,11 @@ int rnd_render_levels(const struct rnd_render *render);
 /* State of all level-0 tiles, row by row: (width / RND_TILE) * (height / RND_TILE) of them. */
 void rnd_render_tiles(struct rnd_render *render, struct rnd_tile *out_tiles);
 
+/* Bring tiles, which are laid out so, up to date: only those are written that have changed since the last
+ * call, at the first one all. Returns how many those are, and their places in out_index, which has room for
+ * all. It never waits for a batch, and costs what has changed. For one thread. */
+uint32_t rnd_render_published(struct rnd_render *render, struct rnd_tile *tiles, uint32_t *out_index);
+
 /* Is the tile's error below what the eye can see at that eccentricity? Contrast threshold by Geisler and
  * Perry 1998: white noise of relative standard error s has contrast s f sqrt(1.5 pi) / p in an octave around
  * f cycles per degree at p pixels per degree; it is visible where that times 64 exp(-0.106 f (e + 2.3) / 2.3)
@@ -216,8 +221,9 @@ bool rnd_tile_settled(const struct rnd_render *render, const struct rnd_tile *ti
 
 /* Mean radiance of the tile (x, y) at a level: RND_TILE x RND_TILE x RGB floats. A pixel without a sample,
  * or one that fewer than 64 left black, takes the mean of the smallest square around it, by powers of two
- * within the tile, of which that is not so. False if the tile is empty, or just being emptied. *out_state
- * (may be NULL) sums up the level-0 tiles below it. */
+ * within the tile, of which that is not so. False if the tile is empty, or just being emptied; also if a
+ * thread that adds to it has been put aside by the system meanwhile: it is worth another try then, a little
+ * later. *out_state (may be NULL) sums up the level-0 tiles below it. */
 bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *out_rgb,
                      struct rnd_tile *out_state);
 

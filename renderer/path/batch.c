@@ -71,10 +71,11 @@ static void trace_wave(struct rnd_render *render, struct rnd_worker *worker, uin
         const float r = io->radiance[0][i], g = io->radiance[1][i], b = io->radiance[2][i];
         const bool finite = isfinite(r + g + b);
         struct rnd_sample *sample = &render->sample[first + i];
-        const struct rnd_film_tile *tile = &render->film.tile[render->run[render->run_of[first + i]].tile];
+        const struct rnd_film_pixels *pixels =
+            &render->film.pixels[render->run[render->run_of[first + i]].tile];
         float *rgb = sample->rgb;
-        __builtin_prefetch(tile->half[sample->number & 1][sample->pixel], 1);
-        __builtin_prefetch(&tile->count[sample->number & 1][sample->pixel], 1);
+        __builtin_prefetch(pixels->half[sample->number & 1][sample->pixel], 1);
+        __builtin_prefetch(&pixels->count[sample->number & 1][sample->pixel], 1);
         worker->not_finite += !finite;
         rgb[0] = finite ? r : 0.0f;
         rgb[1] = finite ? g : 0.0f;
@@ -348,7 +349,8 @@ static void empty(void *context, int worker)
     const int tiles = render->film.across * render->film.down;
     const int first = (int)((int64_t)tiles * worker / render->workers);
     const int end = (int)((int64_t)tiles * (worker + 1) / render->workers);
-    for (int t = first; t < end; t++) rnd_film_empty(&render->film.tile[t], render->generation);
+    for (int t = first; t < end; t++)
+        rnd_film_empty(&render->film, &render->film.tile[t], render->generation);
 }
 
 void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene, const float eye[3])

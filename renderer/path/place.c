@@ -164,7 +164,7 @@ static void sort(struct rnd_render *render, uint32_t paths)
     for (uint32_t i = 0; i < paths; i++) {
         const uint32_t t = render->pixel[i] / RND_TILE_PIXELS;
         start[t]++;
-        __builtin_prefetch(&render->film.tile[t].drawn[render->pixel[i] % RND_TILE_PIXELS], 1);
+        __builtin_prefetch(&render->film.pixels[t].drawn[render->pixel[i] % RND_TILE_PIXELS], 1);
     }
     render->runs = 0;
     for (uint32_t t = 0, sum = 0; t < tiles; t++) {
@@ -183,7 +183,7 @@ static void sort(struct rnd_render *render, uint32_t paths)
         const uint32_t t = render->pixel[i] / RND_TILE_PIXELS, pixel = render->pixel[i] % RND_TILE_PIXELS;
         struct rnd_sample *sample = &render->sample[start[t]++];
         sample->pixel = pixel;
-        sample->number = render->film.tile[t].drawn[pixel]++;
+        sample->number = rnd_film_draw(&render->film.tile[t], pixel);
     }
 }
 

@@ -28,19 +28,12 @@ struct rnd_pool {
     void *context;
 };
 
-static void pause_a_little(void)
-{
-#if defined __x86_64__
-    __builtin_ia32_pause();
-#endif
-}
-
 static void *run(void *argument)
 {
     const struct thread *self = argument;
     struct rnd_pool *pool = self->pool;
     for (unsigned seen = 0;; seen++) {
-        for (int i = 0; i < LOOKS && atomic_load(&pool->round) == seen; i++) pause_a_little();
+        for (int i = 0; i < LOOKS && atomic_load(&pool->round) == seen; i++) rnd_pause();
         pthread_mutex_lock(&pool->mutex);
         while (atomic_load(&pool->round) == seen && !pool->quit)
             pthread_cond_wait(&pool->begin, &pool->mutex);
@@ -100,7 +93,7 @@ void rnd_pool_run(struct rnd_pool *pool, void (*work)(void *context, int worker)
     pthread_cond_broadcast(&pool->begin);
     pthread_mutex_unlock(&pool->mutex);
     work(context, 0);
-    for (int i = 0; i < LOOKS && atomic_load(&pool->busy) > 0; i++) pause_a_little();
+    for (int i = 0; i < LOOKS && atomic_load(&pool->busy) > 0; i++) rnd_pause();
     if (atomic_load(&pool->busy) == 0) return;
     pthread_mutex_lock(&pool->mutex);
     while (atomic_load(&pool->busy) > 0) pthread_cond_wait(&pool->end, &pool->mutex);

@@ -2,6 +2,14 @@
 #ifndef FOVEAD_RENDERER_POOL_H
 #define FOVEAD_RENDERER_POOL_H
 
+/* Between two looks for what another thread is about to do. */
+static inline void rnd_pause(void)
+{
+#if defined __x86_64__
+    __builtin_ia32_pause();
+#endif
+}
+
 struct rnd_pool;
 
 /* threads, the caller's included: 1 or more. NULL if they cannot be started. */

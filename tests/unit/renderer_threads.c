@@ -3,8 +3,11 @@
  */
 #include "renderer_room.h"
 
+#include "render.h"
+
 #include <pthread.h>
 #include <stdatomic.h>
+#include <stdio.h>
 
 static void same_with_any_threads(void **state)
 {
@@ -23,7 +26,8 @@ static void same_with_any_threads(void **state)
 struct reader {
     struct rnd_render *render;
     atomic_bool quit;
-    uint64_t reads, wrong;
+    uint64_t reads, whole, wrong, changes;
+    struct rnd_tile known[TILES]; /* by what was published */
 };
 
 static void *read_on(void *argument)
@@ -31,17 +35,37 @@ static void *read_on(void *argument)
     struct reader *reader = argument;
     static float rgb[3 * PIXELS], samples[PIXELS], tile_rgb[RND_TILE * RND_TILE * 3];
     struct rnd_tile tiles[TILES];
-    while (!atomic_load(&reader->quit)) {
+    uint32_t changed[TILES];
+    bool last;
+    do { /* and once more after the last batch */
+        last = atomic_load(&reader->quit);
         rnd_render_tiles(reader->render, tiles);
+        reader->changes += rnd_render_published(reader->render, reader->known, changed);
         for (int level = 0; level < 3; level++) {
             struct rnd_tile tile;
-            if (rnd_render_read(reader->render, level, 0, 0, tile_rgb, &tile) != (tile.samples > 0))
-                reader->wrong++;
+            /* false also where a thread that writes to it was put aside */
+            if (!rnd_render_read(reader->render, level, 0, 0, tile_rgb, &tile)) continue;
+            reader->wrong += tile.samples == 0;
+            reader->whole++;
         }
         rnd_render_resolve(reader->render, rgb, samples, NULL);
         reader->reads++;
-    }
+    } while (!last);
     return NULL;
+}
+
+/* What was published of tiles is what is known of them. */
+static void assert_known(struct rnd_render *render, const struct rnd_tile *known)
+{
+    struct rnd_tile tiles[TILES];
+    rnd_render_tiles(render, tiles);
+    for (int t = 0; t < TILES; t++) {
+        assert_int_equal(tiles[t].samples, known[t].samples);
+        assert_int_equal(tiles[t].unvisited, known[t].unvisited);
+        assert_int_equal(tiles[t].generation, known[t].generation);
+        assert_int_equal(tiles[t].gaze_sequence, known[t].gaze_sequence);
+        assert_true(tiles[t].error == known[t].error && tiles[t].converged == known[t].converged);
+    }
 }
 
 /* A film may be read while a batch runs; what the readers see is for ThreadSanitizer to judge, and the film
@@ -59,8 +83,9 @@ static void readers(void **state)
         if (i == 1) {
             atomic_store(&reader.quit, true);
             pthread_join(thread, NULL);
-            assert_true(reader.reads > 0);
+            assert_true(reader.reads > 0 && reader.whole > 0 && reader.changes >= TILES);
             assert_int_equal(reader.wrong, 0);
+            assert_known(render, reader.known);
         }
         struct film *film = i == 0 ? &alone : &watched;
         rnd_render_resolve(render, film->rgb, film->samples, film->error);
@@ -69,8 +94,95 @@ static void readers(void **state)
     assert_memory_equal(&alone, &watched, sizeof alone);
 }
 
+/* Of tiles that have changed, and of these alone, one is told what they have become. */
+static void published(void **state)
+{
+    (void)state;
+    struct rnd_render *render = make(room, WIDTH, "vp", 2);
+    struct rnd_tile known[TILES], before[TILES];
+    uint32_t changed[TILES];
+    struct rnd_aim aim = files_aim(0, 0, -1);
+    struct rnd_batch batch;
+    aim.fov[0] = aim.fov[1] = 0.4f;
+    assert_int_equal(rnd_render_published(render, known, changed), TILES); /* at first all */
+    assert_known(render, known);
+    for (int i = 0; i < 4; i++) {
+        assert_int_equal(rnd_render_published(render, known, changed), 0);
+        memcpy(before, known, sizeof before);
+        rnd_render_batch(render, &aim, 7, 1000, &batch);
+        const uint32_t count = rnd_render_published(render, known, changed);
+        assert_known(render, known);
+        assert_true(count > 0 && count < TILES);
+        uint64_t paths = 0;
+        for (uint32_t k = 0; k < count; k++) {
+            assert_true(k == 0 || changed[k] > changed[k - 1]);
+            assert_true(known[changed[k]].samples > before[changed[k]].samples);
+            paths += known[changed[k]].samples - before[changed[k]].samples;
+        }
+        assert_int_equal(paths, 1000);
+    }
+    rnd_render_restart(render, room, rnd_scene_info(room)->eye);
+    assert_int_equal(rnd_render_published(render, known, changed), TILES);
+    assert_known(render, known);
+    assert_int_equal(known[0].generation, 1);
+    rnd_render_destroy(render);
+}
+
+/* Nobody waits for a thread that the system has put aside while it adds to a tile. */
+static void writer_put_aside(void **state)
+{
+    (void)state;
+    static float rgb[RND_TILE * RND_TILE * 3];
+    struct rnd_render *render = make(room, WIDTH, "fv", 1);
+    struct rnd_tile tiles[TILES], tile;
+    look_around(render, 3, 4000);
+    pthread_mutex_lock(&render->film.tile[1].lock);
+    rnd_render_tiles(render, tiles);
+    assert_true(tiles[1].samples > 0);
+    assert_true(rnd_render_read(render, 0, 2, 0, rgb, &tile));
+    for (int level = 0; level < 3; level++) {
+        assert_false(rnd_render_read(render, level, 1 >> level, 0, rgb, &tile));
+        assert_true(tile.samples >= tiles[1].samples);
+    }
+    pthread_mutex_unlock(&render->film.tile[1].lock);
+    for (int level = 0; level < 3; level++)
+        assert_true(rnd_render_read(render, level, 1 >> level, 0, rgb, &tile));
+    rnd_render_destroy(render);
+}
+
+/* Memory of this process that is there, bytes. */
+static double resident(void)
+{
+    long pages = 0;
+    FILE *file = fopen("/proc/self/statm", "r");
+    assert_non_null(file);
+    assert_int_equal(fscanf(file, "%*d %ld", &pages), 1);
+    fclose(file);
+    return (double)pages * (double)sysconf(_SC_PAGESIZE);
+}
+
+/* The first coarse picture, and a restart after it, leave most of the film's memory untouched. */
+static void outline_memory(void **state)
+{
+    (void)state;
+    enum { W = 4096, H = W / 2 };
+    struct rnd_render *render = make(room, W, "fv", 2);
+    const struct rnd_aim aim = files_aim(0, 0, -1);
+    struct rnd_batch batch;
+    const double before = resident(), film = (double)W * H * sizeof(struct rnd_film_pixels) / RND_TILE_PIXELS;
+    for (int i = 0; i < 2; i++) {
+        rnd_render_outline(render, &aim, 0, &batch);
+        rnd_render_restart(render, room, rnd_scene_info(room)->eye);
+    }
+    print_message("%.1f MB of a film of %.1f MB\n", 1e-6 * (resident() - before), 1e-6 * film);
+    assert_true(resident() - before < 0.1 * film);
+    rnd_render_destroy(render);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(same_with_any_threads), cmocka_unit_test(readers)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(same_with_any_threads), cmocka_unit_test(readers),
+                                       cmocka_unit_test(published), cmocka_unit_test(writer_put_aside),
+                                       cmocka_unit_test(outline_memory)};
     return cmocka_run_group_tests_name("renderer_threads", tests, setup, teardown);
 }
