@@ -174,11 +174,10 @@ static void choose_area(struct rnd_tracer *tracer, const uint32_t *list, uint32_
         areas->s[k] = s;
         areas->t[k] = t;
     }
-    for (uint32_t k = 0; lights->area_textured && k < count; k++) {
+    for (uint32_t k = 0; lights->area_uneven && k < count; k++) {
         const struct rnd_area *area = &lights->area[entry[k]];
-        if ((area->flags & RND_AREA_TEXTURED) && to->pdf[first + k] > 0.0f)
-            rnd_put(&to->radiance, first + k,
-                    rnd_area_emission(tracer->scene, area, areas->s[k], areas->t[k]));
+        if ((area->flags & (RND_AREA_TEXTURED | RND_AREA_COVERED)) && to->pdf[first + k] > 0.0f)
+            rnd_put(&to->radiance, first + k, rnd_area_gives(tracer->scene, area, areas->s[k], areas->t[k]));
     }
 }
 

@@ -447,7 +447,7 @@ void ISA(rnd_emission)(struct rnd_tracer *tracer, uint32_t count)
     for (uint32_t j = 0; j < count; j++) {
         const struct rnd_mesh *mesh = &scene->mesh[s->mesh[j]];
         if (mesh->first_light == UINT32_MAX) continue;
-        const uint32_t lamp = mesh->first_light + s->triangle[j];
+        const uint32_t lamp = rnd_area_at(lights, mesh->first_light + s->triangle[j], s->u[j], s->v[j]);
         const struct rnd_area *area = &lights->area[lamp];
         if (!s->front[j] && !(area->flags & RND_AREA_DOUBLE)) continue;
         const struct rnd_v3 direction = rnd_get(&paths->direction, j);

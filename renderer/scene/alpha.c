@@ -41,6 +41,35 @@ static float coverage(const struct rnd_alpha *alpha, uint32_t triangle, float u,
     return value * (alpha->texture->has_alpha ? t.a : t.r);
 }
 
+/* Of a hit with that coverage, the chance to count. glTF 2.0 section 3.9.4: what equals the cut-off is there.
+ */
+static float chance(const struct rnd_material *material, float there)
+{
+    if (material->alpha_mode == RND_MASK) return there >= material->alpha_cutoff ? 1.0f : 0.0f;
+    return fminf(fmaxf(there, 0.0f), 1.0f);
+}
+
+bool rnd_has_coverage(const struct rnd_scene *scene, uint32_t mesh)
+{
+    const struct rnd_alpha *alpha = &scene->alpha[mesh];
+    return alpha->mesh && !rnd_is_pane(alpha->mesh, alpha->material);
+}
+
+float rnd_coverage(const struct rnd_scene *scene, uint32_t mesh, uint32_t triangle, float u, float v)
+{
+    const struct rnd_alpha *alpha = &scene->alpha[mesh];
+    return chance(alpha->material, coverage(alpha, triangle, u, v));
+}
+
+const struct rnd_texture *rnd_coverage_texture(const struct rnd_scene *scene, uint32_t mesh,
+                                               const struct rnd_map **out_map, bool *out_by_alpha)
+{
+    const struct rnd_alpha *alpha = &scene->alpha[mesh];
+    *out_map = coverage_map(alpha->material);
+    *out_by_alpha = alpha->texture && alpha->texture->has_alpha;
+    return alpha->mesh->uv[(*out_map)->uv_set] ? alpha->texture : NULL;
+}
+
 /* --- filters --- */
 
 static uint32_t mix(uint32_t hash, uint32_t value)
@@ -87,10 +116,8 @@ static void coverage_filter(const struct RTCFilterFunctionNArguments *args)
         if (args->valid[i] == 0) continue;
         const uint32_t triangle = ((const uint32_t *)args->hit)[HIT_TRIANGLE * n + i];
         const float there = coverage(alpha, triangle, hit[HIT_U * n], hit[HIT_V * n]);
-        /* glTF 2.0 section 3.9.4: what equals the cut-off is there */
-        const bool hits =
-            material->alpha_mode == RND_MASK ? there >= material->alpha_cutoff : coin(args, i) < there;
-        if (!hits) args->valid[i] = 0;
+        const float hits = chance(material, there);
+        if (hits < 1.0f && !(coin(args, i) < hits)) args->valid[i] = 0;
     }
 }
 

@@ -1,5 +1,6 @@
 /* Lights: their tables at load, and drawing from them. The environment's own part is env.c. */
 #include "scene/light.h"
+#include "scene/emitter.h"
 #include "scene/scene.h"
 
 #include <float.h>
@@ -42,49 +43,13 @@ struct rnd_v3 rnd_area_emission(const struct rnd_scene *scene, const struct rnd_
     return rnd_v3_mul(area->emission, emission_texture(scene, area, u, v));
 }
 
-static float area_of(const struct rnd_area *area)
+struct rnd_v3 rnd_area_gives(const struct rnd_scene *scene, const struct rnd_area *area, float s, float t)
 {
-    const struct rnd_v3 twice = rnd_v3_cross(area->e1, area->e2);
-    return 0.5f * sqrtf(rnd_v3_dot(twice, twice));
-}
-
-/* Power of an emissive triangle; its texture is looked at in seven places, which a drawn point need not be.
- */
-static float power_of(const struct rnd_scene *scene, const struct rnd_area *area)
-{
-    static const float place[7][2] = {{1 / 3.f, 1 / 3.f}, {0.05f, 0.05f}, {0.9f, 0.05f}, {0.05f, 0.9f},
-                                      {0.45f, 0.05f},     {0.05f, 0.45f}, {0.45f, 0.45f}};
-    float sum = 0.0f;
-    for (int i = 0; i < 7; i++)
-        sum += rnd_v3_luminance(rnd_area_emission(scene, area, place[i][0], place[i][1])) / 7.0f;
-    /* A textured light may be dark in all seven places and bright between: it keeps some chance. */
-    if (area->flags & RND_AREA_TEXTURED) sum += 0.01f * rnd_v3_luminance(area->emission);
-    return sum * area_of(area) * (float)M_PI * (area->flags & RND_AREA_DOUBLE ? 2 : 1);
-}
-
-static bool emits(const struct rnd_material *material)
-{
-    return rnd_luminance(material->emission.raw) > 0.0f && !material->unlit;
-}
-
-static struct rnd_area make_area(const struct rnd_scene *scene, uint32_t m, uint32_t triangle)
-{
-    const struct rnd_mesh *mesh = &scene->mesh[m];
-    const struct rnd_material *material = &scene->material[mesh->material];
-    struct rnd_v3 p[3];
-    for (int k = 0; k < 3; k++) {
-        const float *from = mesh->position + 3 * (size_t)mesh->index[triangle][k];
-        p[k] = rnd_v3(from[0], from[1], from[2]);
-    }
-    return (struct rnd_area){.corner = p[0],
-                             .e1 = rnd_v3_sub(p[1], p[0]),
-                             .e2 = rnd_v3_sub(p[2], p[0]),
-                             .emission =
-                                 rnd_v3(material->emission.x, material->emission.y, material->emission.z),
-                             .mesh = m,
-                             .triangle = triangle,
-                             .flags = (material->map[RND_MAP_EMISSION].texture >= 0 ? RND_AREA_TEXTURED : 0) |
-                                      (material->double_sided ? RND_AREA_DOUBLE : 0)};
+    float u, v;
+    rnd_area_place(area, s, t, &u, &v);
+    const struct rnd_v3 emission = rnd_area_emission(scene, area, u, v);
+    if (!(area->flags & RND_AREA_COVERED)) return emission;
+    return rnd_v3_scale(emission, rnd_coverage(scene, area->mesh, area->triangle, u, v));
 }
 
 /* A coordinate of a thousand steps, as ten bits with two zeros before each. */
@@ -144,38 +109,25 @@ static bool build_lamps(struct rnd_lamps *lamps, const vec3s *position, const fl
 static bool build_area(struct rnd_scene *scene, double *out_power)
 {
     struct rnd_lights *lights = &scene->lights;
-    uint64_t count = 0;
+    float *weight;
     double sum = 0.0;
-    for (uint32_t m = 0; m < scene->mesh_count; m++)
-        if (emits(&scene->material[scene->mesh[m].material])) count += scene->mesh[m].triangles;
-    scene->info.emissive_triangles = count;
-    if (count == 0) return true;
-
-    lights->area = malloc(count * sizeof *lights->area);
-    float *power = malloc(count * sizeof *power);
-    vec3s *position = malloc(count * sizeof *position);
-    bool ok = lights->area && power && position;
-    for (uint32_t m = 0; ok && m < scene->mesh_count; m++) {
-        struct rnd_mesh *mesh = &scene->mesh[m];
-        if (!emits(&scene->material[mesh->material])) continue;
-        mesh->first_light = lights->area_count;
-        for (uint32_t t = 0; t < mesh->triangles; t++) {
-            struct rnd_area *area = &lights->area[lights->area_count];
-            *area = make_area(scene, m, t);
-            lights->area_textured |= (area->flags & RND_AREA_TEXTURED) != 0;
-            power[lights->area_count] = power_of(scene, area);
-            const struct rnd_v3 middle =
-                rnd_v3_muladd(rnd_v3_add(area->e1, area->e2), 1.0f / 3.0f, area->corner);
-            position[lights->area_count] = (vec3s){{middle.x, middle.y, middle.z}};
-            sum += power[lights->area_count++];
-        }
+    bool ok = rnd_emitters_build(scene, &weight);
+    if (!ok || lights->area_count == 0) goto end;
+    vec3s *position = malloc(lights->area_count * sizeof *position);
+    ok = position != NULL;
+    for (uint32_t i = 0; ok && i < lights->area_count; i++) {
+        const struct rnd_area *area = &lights->area[i];
+        const struct rnd_v3 middle = rnd_v3_muladd(rnd_v3_add(area->e1, area->e2), 1.0f / 3.0f, area->corner);
+        position[i] = (vec3s){{middle.x, middle.y, middle.z}};
+        sum += (double)weight[i];
     }
     lights->has[RND_LIGHT_AREA] = sum > 0.0;
-    *out_power = sum;
     if (ok && sum > 0.0 && isfinite(sum))
-        ok = build_lamps(&lights->lamps[RND_LIGHT_AREA], position, power, lights->area_count);
-    free(power);
+        ok = build_lamps(&lights->lamps[RND_LIGHT_AREA], position, weight, lights->area_count);
     free(position);
+end:
+    *out_power = sum;
+    free(weight);
     return ok;
 }
 
@@ -209,7 +161,7 @@ static bool shows_itself(const struct rnd_scene *scene)
 {
     for (uint32_t m = 0; m < scene->mesh_count; m++) {
         const struct rnd_material *material = &scene->material[scene->mesh[m].material];
-        if (material->unlit || emits(material)) return true;
+        if (material->unlit || rnd_emits(material)) return true;
     }
     return false;
 }
@@ -283,7 +235,7 @@ static bool draw_area(const struct rnd_scene *scene, const struct rnd_alias *ali
                              &s, &t);
     out->delta = false;
     if (!(out->pdf > 0.0f)) return false;
-    out->radiance = rnd_area_emission(scene, area, s, t);
+    out->radiance = rnd_area_gives(scene, area, s, t);
     return true;
 }
 

@@ -193,14 +193,26 @@ RND_INLINE struct rnd_v3 rnd_sun_draw(const struct rnd_sun *sun, const struct rn
 
 /* --- emissive triangles and punctual lights --- */
 
-/* All that drawing one asks for, and no more: so many are looked up all over. */
+/* A triangle, or a part of one. All that drawing one asks for, and no more: so many are looked up all over.
+ */
 struct rnd_area {
     struct rnd_v3 corner, e1, e2;
     struct rnd_v3 emission; /* but for its texture */
     uint32_t mesh, triangle;
     uint32_t flags; /* RND_AREA_... */
+    /* Of one that is divided, the first of its four parts. Else where the corner is in the triangle: its
+     * barycentric u, v << 16, in steps of the part's sides. */
+    uint32_t place;
 };
-enum { RND_AREA_TEXTURED = 1, RND_AREA_DOUBLE = 2 };
+_Static_assert(sizeof(struct rnd_area) == 64, "an area is a line of the cache");
+enum {
+    RND_AREA_TEXTURED = 1,
+    RND_AREA_DOUBLE = 2,
+    RND_AREA_COVERED = 4, /* not there everywhere */
+    RND_AREA_DIVIDED = 8, /* not drawn itself, but its parts */
+    RND_AREA_TURNED = 16, /* a part whose sides run against the triangle's */
+    RND_AREA_HALVINGS = 8 /* bits from here on: how often the triangle's sides were halved */
+};
 
 struct rnd_punctual {
     struct rnd_v3 position;  /* m; spot and point */
@@ -226,7 +238,7 @@ struct rnd_lights {
     bool has[RND_LIGHT_GROUPS]; /* does the group give light? */
     bool any;                   /* does one of them? */
     uint32_t area_count;
-    bool area_textured; /* some of them are */
+    bool area_uneven; /* some are textured, or not there everywhere */
     struct rnd_area *area;
     struct rnd_env *env;
     struct rnd_sun *sun;
@@ -267,8 +279,31 @@ void rnd_lights_finish(struct rnd_lights *lights);
 bool rnd_light_draw(const struct rnd_scene *scene, const struct rnd_light_choice *choice, int group,
                     struct rnd_v3 point, const float u[4], struct rnd_light_sample *out);
 
-/* Emitted radiance of an emissive triangle at barycentric (u, v). */
+/* Emitted radiance at barycentric (u, v) of the triangle that an area is of, as a ray sees it that hits. */
 struct rnd_v3 rnd_area_emission(const struct rnd_scene *scene, const struct rnd_area *area, float u, float v);
+/* The same at barycentric (s, t) of the area itself, times what of the surface is there. */
+struct rnd_v3 rnd_area_gives(const struct rnd_scene *scene, const struct rnd_area *area, float s, float t);
+
+/* From barycentric coordinates of an area to those of its triangle. */
+RND_INLINE void rnd_area_place(const struct rnd_area *area, float s, float t, float *out_u, float *out_v)
+{
+    const float side = 1.0f / (float)(1u << (area->flags >> RND_AREA_HALVINGS)),
+                turn = area->flags & RND_AREA_TURNED ? -1.0f : 1.0f;
+    *out_u = side * ((float)(area->place & 0xffffu) + turn * s);
+    *out_v = side * ((float)(area->place >> 16) + turn * t);
+}
+
+/* The area that is drawn for barycentric (u, v) of a triangle, which is i or a part of it. */
+RND_INLINE uint32_t rnd_area_at(const struct rnd_lights *lights, uint32_t i, float u, float v)
+{
+    while (lights->area[i].flags & RND_AREA_DIVIDED) {
+        const int k = u >= 0.5f ? 1 : v >= 0.5f ? 2 : u + v <= 0.5f ? 0 : 3;
+        u = k == 3 ? 1.0f - 2.0f * u : 2.0f * u - (k == 1 ? 1.0f : 0.0f);
+        v = k == 3 ? 1.0f - 2.0f * v : 2.0f * v - (k == 2 ? 1.0f : 0.0f);
+        i = lights->area[i].place + (uint32_t)k;
+    }
+    return i;
+}
 
 /* A triangle seen so nearly from its side gives nothing but rounding: it is not drawn from there. */
 #define RND_LEAST_COSINE 1e-6f

@@ -204,6 +204,15 @@ static inline vec3s rnd_instance_normal(const struct rnd_instance *instance, vec
  * mesh, with a function for those that have holes. False when memory is short. */
 bool rnd_alpha_build(struct rnd_scene *scene);
 void rnd_alpha_attach(const struct rnd_scene *scene, uint32_t mesh, RTCGeometry geometry);
+/* Does a mesh have holes? Panes are not counted: they are there. */
+bool rnd_has_coverage(const struct rnd_scene *scene, uint32_t mesh);
+/* Of such a mesh, the chance of a ray to hit at barycentric (u, v): its coverage, and 0 or 1 where a mask
+ * decides. */
+float rnd_coverage(const struct rnd_scene *scene, uint32_t mesh, uint32_t triangle, float u, float v);
+/* The texture that its coverage comes from, how that is looked up, and whether its alpha counts, else its
+ * red. NULL if it comes from the factor and the vertices alone. */
+const struct rnd_texture *rnd_coverage_texture(const struct rnd_scene *scene, uint32_t mesh,
+                                               const struct rnd_map **out_map, bool *out_by_alpha);
 
 static inline vec3s rnd_vertex(const struct rnd_mesh *mesh, uint32_t i)
 {

@@ -1,0 +1,33 @@
+/* How bright, or how much there, a texture is around a place, and how uneven: means over squares of 1, 2, 4,
+ * ... texels, which miss no texel. Mipmaps round what is small to nothing. */
+#ifndef FOVEAD_RENDERER_PYRAMID_H
+#define FOVEAD_RENDERER_PYRAMID_H
+
+#include "scene/texture.h"
+
+/* What of a texel is taken. */
+struct rnd_pyramid_of {
+    const struct rnd_texture *texture;
+    enum { RND_PYRAMID_LUMINANCE, RND_PYRAMID_RED, RND_PYRAMID_ALPHA } channel;
+    float cutoff; /* above 0: 1 if the channel is at least as much, else 0 */
+};
+
+struct rnd_pyramid_mean {
+    float value, square; /* mean of it, and of its square */
+};
+
+struct rnd_pyramid;
+
+/* NULL if memory is short. The caller frees; the texture is kept. */
+struct rnd_pyramid *rnd_pyramid_create(const struct rnd_pyramid_of *of);
+void rnd_pyramid_destroy(struct rnd_pyramid *pyramid); /* accepts NULL */
+/* Width and height of the texture. */
+void rnd_pyramid_size(const struct rnd_pyramid *pyramid, int out_size[2]);
+bool rnd_pyramid_is(const struct rnd_pyramid *pyramid, const struct rnd_pyramid_of *of);
+
+/* Mean around texture coordinates (u, v), bilinear between squares that are at least spacing texels wide:
+ * what bilinear look-ups anywhere within spacing texels of it can meet is in it. */
+struct rnd_pyramid_mean rnd_pyramid_mean(const struct rnd_pyramid *pyramid, const uint8_t wrap[2], float u,
+                                         float v, float spacing);
+
+#endif
