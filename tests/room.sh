@@ -1,4 +1,16 @@
-# For test scripts that render: a small scene, written where they are.
+# For test scripts: waiting for what must come, however slow the machine is, and a small scene to render.
+
+# await WHAT COMMAND...: until the command succeeds. The count is there to name what never comes.
+await() {
+    awaited=$1
+    shift
+    left=6000
+    until "$@"; do
+        left=$((left - 1))
+        [ "$left" -gt 0 ] || fail "waited in vain for $awaited"
+        sleep 0.1
+    done
+}
 
 # A box of 4 m with a light under the ceiling, seen from its middle.
 make_room() {

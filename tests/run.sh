@@ -5,7 +5,6 @@ set -eu
 cd "$(dirname "$0")/.."
 sh daemon/setup.sh tests
 
-# Everything is stopped after its own time limit; the halves of a broken run are never left behind.
 export ASAN_OPTIONS="abort_on_error=0:detect_stack_use_after_return=1"
 export LSAN_OPTIONS="suppressions=$PWD/tests/lsan.supp:print_suppressions=0"
 export UBSAN_OPTIONS="print_stacktrace=1"

@@ -32,6 +32,9 @@ enum {
 
 enum { CTL_PATH_SIZE = 4096 };
 
+/* How long a daemon may take to answer, s: a machine that does other work is slow. */
+enum { CTL_PATIENCE_S = 30, CTL_START_S = 600 /* to come up, with --wait */ };
+
 struct ctl {
     const char *command;
     unsigned given; /* CTL_* bits */

@@ -45,7 +45,7 @@ static const char HELP[] =
     "Options\n"
     "  --connect ADDRESS       unix:PATH or tcp:HOST:PORT; default: $XDG_RUNTIME_DIR/fovead.sock, else\n"
     "                          /tmp/fovead-UID.sock. FOVEAD_TOKEN in the environment is sent along\n"
-    "  --wait                  wait for the daemon to come up, a minute at most\n"
+    "  --wait                  wait for the daemon to come up, ten minutes at most\n"
     "  --json                  watch, stats, snapshot, move, compare, gaze info: one JSON object\n"
     "  --for SECONDS           watch: so long; otherwise until the daemon ends or Ctrl-C. record: so long, "
     "and "
@@ -370,7 +370,8 @@ struct pro_client *ctl_connect(const struct ctl *ctl, Fovea__Encoding tiles, boo
     hello.gaze = gaze;
     hello.stats = stats;
     if (token) hello.token = (char *)token;
-    client = pro_connect(&ctl->address, &hello, ctl->wait ? 60000 : 5000, ctl->wait, error);
+    client = pro_connect(&ctl->address, &hello, (ctl->wait ? CTL_START_S : CTL_PATIENCE_S) * 1000, ctl->wait,
+                         error);
     if (!client) ctl_fail("%s", error);
     return client;
 }
@@ -429,7 +430,7 @@ bool ctl_tell(struct pro_client *client, const Fovea__Message *message)
     if (!pro_send(client, message, error) || !pro_send(client, &message_ping, error))
         return ctl_fail("%s", error);
     do {
-        Fovea__Message *pong = ctl_await(client, FOVEA__MESSAGE__BODY_PONG, 5);
+        Fovea__Message *pong = ctl_await(client, FOVEA__MESSAGE__BODY_PONG, CTL_PATIENCE_S);
 
         if (!pong) return false;
         client_ns = pong->pong->client_ns;

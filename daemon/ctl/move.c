@@ -8,7 +8,7 @@
 static bool await_tile(struct pro_client *client, uint64_t generation)
 {
     for (;;) {
-        Fovea__Message *message = ctl_await(client, FOVEA__MESSAGE__BODY_TILE, 30);
+        Fovea__Message *message = ctl_await(client, FOVEA__MESSAGE__BODY_TILE, CTL_PATIENCE_S);
         bool there;
 
         if (!message) return false;
@@ -26,7 +26,7 @@ static bool tell(const struct ctl *ctl, struct pro_client *client, const Fovea__
     bool good;
 
     if (!pro_send(client, message, error)) return ctl_fail("%s", error);
-    if (!(answer = ctl_await(client, FOVEA__MESSAGE__BODY_DONE, 30))) return false;
+    if (!(answer = ctl_await(client, FOVEA__MESSAGE__BODY_DONE, CTL_PATIENCE_S))) return false;
     good = answer->done->ok || ctl_fail("%s", answer->done->text);
     if (good && (good = await_tile(client, answer->done->generation))) {
         double passed_ms = (double)(dmn_now_ns() - sent_ns) * 1e-6;

@@ -27,7 +27,7 @@ int ctl_recentre(const struct ctl *ctl)
     recentre.request = 1;
     message.body_case = FOVEA__MESSAGE__BODY_RECENTRE;
     message.recentre = &recentre;
-    good = ctl_request(client, &message, 30);
+    good = ctl_request(client, &message, CTL_PATIENCE_S);
     pro_disconnect(client);
     return good ? 0 : 1;
 }

@@ -21,7 +21,7 @@ static bool request(struct pro_client *client, bool on, const char *path, bool r
     record.replace = replace;
     message.body_case = FOVEA__MESSAGE__BODY_RECORD;
     message.record = &record;
-    return ctl_request(client, &message, 30);
+    return ctl_request(client, &message, CTL_PATIENCE_S);
 }
 
 /* Until the time is up, or Ctrl-C. */

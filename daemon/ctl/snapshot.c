@@ -9,7 +9,7 @@
 #include "ctl.h"
 
 /* A daemon that sends nothing for so long sends nothing at all. */
-static const uint64_t SILENCE_NS = 10000000000;
+static const uint64_t SILENCE_NS = CTL_PATIENCE_S * UINT64_C(1000000000);
 /* Summing up what has come is not free: not after every tile. */
 static const uint64_t LOOK_NS = 50000000;
 

@@ -10,8 +10,8 @@
 #include <time.h>
 #include <unistd.h>
 
-const char *const fake_kind_names[FAKE_KINDS] = {"hid",   "unready",    "garbage",    "broken",
-                                                 "psvr2", "psvr2-late", "psvr2-stuck"};
+const char *const fake_kind_names[FAKE_KINDS] = {"still",  "hid",   "unready",    "garbage",
+                                                 "broken", "psvr2", "psvr2-late", "psvr2-stuck"};
 
 static void die(const char *what, GError *error)
 {
@@ -166,6 +166,21 @@ void fake_unplug(struct fake_device *device)
             umockdev_testbed_uevent(fake->bed, device->system[i], "remove");
         umockdev_testbed_remove_device(fake->bed, device->system[i]);
     }
+}
+
+uint64_t fake_taken(struct fake_device *device)
+{
+    pthread_mutex_lock(&device->lock);
+    uint64_t taken = device->taken;
+    pthread_mutex_unlock(&device->lock);
+    return taken;
+}
+
+void fake_make_ready(struct fake_device *device)
+{
+    pthread_mutex_lock(&device->lock);
+    device->ready = true;
+    pthread_mutex_unlock(&device->lock);
 }
 
 uint64_t fake_sent_ns(struct fake_device *device, uint64_t n)

@@ -15,9 +15,10 @@ struct fake;        /* the test bed */
 struct fake_device; /* something plugged into it */
 
 enum fake_kind {
+    FAKE_STILL,   /* a page 0x12 tracker whose gaze rests; like the next in all else */
     FAKE_HID,     /* a page 0x12 tracker with the reference descriptor; gaze goes around a circle */
-    FAKE_UNREADY, /* the same, that asks for its user to be calibrated after 250 reports, and is ready after
-                     500 */
+    FAKE_UNREADY, /* the same, that asks for its user to be calibrated after 250 reports, until it is made
+                     ready */
     FAKE_GARBAGE, /* the same descriptor, and random bytes as reports, of random length */
     FAKE_BROKEN,  /* a descriptor that says it is an eye tracker and is cut off */
     FAKE_PSVR2,
@@ -35,6 +36,11 @@ void fake_destroy(struct fake *fake); /* unplugs what is plugged in */
 /* Plug in and start to send hz reports a second. Node numbers count up. */
 struct fake_device *fake_plug(struct fake *fake, enum fake_kind kind, double hz);
 void fake_unplug(struct fake_device *device);
+
+/* How many of its reports a program has read since it was plugged in. */
+uint64_t fake_taken(struct fake_device *device);
+/* An unready one has a calibrated user from now on. */
+void fake_make_ready(struct fake_device *device);
 
 /* When report number n, from 0, was sent: CLOCK_MONOTONIC ns; 0 if it was not, or is more than 64 Ki ago. */
 uint64_t fake_sent_ns(struct fake_device *device, uint64_t n);

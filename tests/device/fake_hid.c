@@ -57,13 +57,15 @@ void fake_hid_describe(struct fake_device *device, GString *out_text)
 
 void fake_hid_fill(struct fake_device *device, struct fake_report *out_report)
 {
-    if (device->kind == FAKE_UNREADY && (device->sent == 250 || device->sent == 500)) {
-        out_report->size = hid_status(out_report->bytes, device->sent == 250 ? 4 : 1, (unsigned)device->hz);
+    const bool says_ready = device->ready && !device->said_ready;
+    if (device->kind == FAKE_UNREADY && (device->sent == 250 || says_ready)) {
+        out_report->size = hid_status(out_report->bytes, says_ready ? 1 : 4, (unsigned)device->hz);
+        device->said_ready = says_ready;
         return;
     }
-    if (device->kind == FAKE_HID || device->kind == FAKE_UNREADY) {
+    if (device->kind != FAKE_GARBAGE) {
         out_report->size = HID_REPORT;
-        hid_fill(out_report->bytes, device->sent, fake_now_ns() / 1000);
+        hid_fill(out_report->bytes, device->kind == FAKE_STILL ? 0 : device->sent, fake_now_ns() / 1000);
         return;
     }
     uint64_t state = device->sent * 2654435761u + 1;
@@ -149,6 +151,7 @@ gboolean fake_hid_read(UMockdevIoctlBase *base, UMockdevIoctlClient *client, gpo
         UMockdevIoctlData *data = umockdev_ioctl_client_get_arg(client);
         size = report->size < (size_t)data->data_len ? report->size : (size_t)data->data_len;
         memcpy(data->data, report->bytes, size);
+        device->taken++;
         if (read(device->read_end, &byte, 1) != 1) perror("fake tracker: pty");
     }
     int failure = device->gone ? EIO : EAGAIN;

@@ -29,7 +29,8 @@ struct fake_device {
     int pty, read_end; /* the terminal's, and what the program has open too */
     GQueue reports;    /* struct fake_report, not yet read */
     GQueue urbs, done; /* struct urb of fake_usb.c: reads that wait, and what is to be reaped */
-    uint64_t sent, sent_ns[FAKE_SENT];
+    uint64_t sent, taken, sent_ns[FAKE_SENT];
+    bool ready, said_ready; /* of FAKE_UNREADY */
     unsigned starts, stops;
     size_t calibration;
     const UMockdevIoctlClient *claimed_by; /* USB: the file that has the interface */

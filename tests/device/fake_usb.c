@@ -85,6 +85,7 @@ void fake_usb_pump(struct fake_device *device)
            (urb = g_queue_pop_head(&device->urbs))) {
         struct fake_report *report = device->gone ? NULL : g_queue_pop_head(&device->reports);
         complete(device, urb, report, report ? 0 : -ENODEV);
+        device->taken += report != NULL;
         g_free(report);
     }
 }

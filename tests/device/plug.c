@@ -3,13 +3,15 @@
  *   plug [ACTION...] -- COMMAND [ARGUMENT...]
  *
  * Actions are done one after another, those before "run" before the program is started. KIND[:HZ] plugs one
- * in (hid, unready, garbage, broken, psvr2, psvr2-late, psvr2-stuck; 500 Hz), out:KIND unplugs the last of a
- * kind, wait:SECONDS waits, file:PATH waits until there is such a file, end sends SIGTERM, and repeat:N does
- * all actions after "run" N times. Then the program's end is awaited, and its exit code is ours. Exit code
- * 99: the program outlived "limit:SECONDS" (60), and was killed. What the first eight devices were asked for
- * is told at the end. */
+ * in (still, hid, unready, garbage, broken, psvr2, psvr2-late, psvr2-stuck; 500 Hz), out:KIND unplugs the
+ * last of a kind, end sends SIGTERM, and repeat:N does all actions after "run" N times. taken:N waits until
+ * the program has read N reports, or +N more, of the device that was plugged in last, said:TEXT until TEXT
+ * was written to stderr, which must be a file, and file:PATH until there is such a file. ok makes the last
+ * device ready. Then the program's end is awaited, and its exit code is ours. What the first eight devices
+ * were asked for is told at the end. */
 #include "fake.h"
 
+#include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -38,15 +40,24 @@ static void usage(const char *what)
     exit(2);
 }
 
-/* Sleep, or until the program ends. */
-static void rest(struct plug *plug, double seconds)
+/* A moment. */
+static void rest(struct plug *plug)
 {
     struct timespec tick = {.tv_nsec = 5000000};
-    for (double t = 0; t < seconds && !plug->ended; t += 0.005) {
-        if (plug->child > 0 && waitpid(plug->child, &plug->status, WNOHANG) == plug->child)
-            plug->ended = true;
-        nanosleep(&tick, NULL);
-    }
+    if (plug->child > 0 && waitpid(plug->child, &plug->status, WNOHANG) == plug->child) plug->ended = true;
+    nanosleep(&tick, NULL);
+}
+
+/* Was text written to stderr, which is a file? */
+static bool is_said(const char *text)
+{
+    static char said[1 << 20];
+    int file = open("/proc/self/fd/2", O_RDONLY | O_CLOEXEC);
+    ssize_t size = file < 0 ? -1 : pread(file, said, sizeof said - 1, 0);
+    if (size < 0) usage("said: stderr is no file that can be read");
+    close(file);
+    said[size] = '\0';
+    return strstr(said, text);
 }
 
 static int find_kind(const char *name)
@@ -92,12 +103,35 @@ static void start(struct plug *plug, char **command)
     _exit(127);
 }
 
+/* Is it something to do in its turn? */
+static bool is_done(const char *action)
+{
+    return strcmp(action, "end") != 0 && strncmp(action, "repeat:", 7) != 0;
+}
+
+static struct fake_device *last(const struct plug *plug)
+{
+    if (!plug->count) usage("nothing is plugged in");
+    return plug->plugged[plug->count - 1].device;
+}
+
+/* So many, or with a + so many more. */
+static void await_taken(struct plug *plug, const char *number)
+{
+    uint64_t enough = strtoull(number, NULL, 10) + (*number == '+' ? fake_taken(last(plug)) : 0);
+    while (!plug->ended && fake_taken(last(plug)) < enough) rest(plug);
+}
+
 static void act(struct plug *plug, const char *action)
 {
-    if (strncmp(action, "wait:", 5) == 0)
-        rest(plug, atof(action + 5));
+    if (strncmp(action, "taken:", 6) == 0)
+        await_taken(plug, action + 6);
+    else if (strncmp(action, "said:", 5) == 0)
+        while (!plug->ended && !is_said(action + 5)) rest(plug);
     else if (strncmp(action, "file:", 5) == 0)
-        while (!plug->ended && access(action + 5, F_OK) != 0) rest(plug, 0.01);
+        while (!plug->ended && access(action + 5, F_OK) != 0) rest(plug);
+    else if (strcmp(action, "ok") == 0)
+        fake_make_ready(last(plug));
     else if (strncmp(action, "out:", 4) == 0)
         take_out(plug, find_kind(action + 4));
     else
@@ -108,32 +142,24 @@ int main(int count, char **arguments)
 {
     struct plug plug = {0};
     int end = 1, run = 0, repeats = 1;
-    double limit = 60;
     bool ends = false;
     while (end < count && strcmp(arguments[end], "--") != 0) {
         if (strcmp(arguments[end], "run") == 0) run = end;
         if (strncmp(arguments[end], "repeat:", 7) == 0) repeats = atoi(arguments[end] + 7);
         if (strcmp(arguments[end], "end") == 0) ends = true;
-        if (strncmp(arguments[end], "limit:", 6) == 0) limit = atof(arguments[end] + 6);
         end++;
     }
     if (end + 1 >= count) usage("no command");
     if (!run) run = end;
     plug.fake = fake_create();
     for (int i = 1; i < run; i++)
-        if (!strchr("rle", arguments[i][0])) act(&plug, arguments[i]);
+        if (is_done(arguments[i])) act(&plug, arguments[i]);
     start(&plug, arguments + end + 1);
     for (int repeat = 0; repeat < repeats; repeat++)
         for (int i = run + 1; i < end && !plug.ended; i++)
-            if (!strchr("rle", arguments[i][0])) act(&plug, arguments[i]);
+            if (is_done(arguments[i])) act(&plug, arguments[i]);
     if (ends && !plug.ended) kill(plug.child, SIGTERM);
-    rest(&plug, limit);
-    if (!plug.ended) {
-        fprintf(stderr, "plug: the program did not end within %g s\n", limit);
-        kill(plug.child, SIGKILL);
-        waitpid(plug.child, &plug.status, 0);
-        plug.status = 99 << 8;
-    }
+    while (!plug.ended) rest(&plug);
     for (int i = 0; i < plug.count && i < 8; i++) {
         unsigned starts, stops;
         size_t calibration;

@@ -1,8 +1,8 @@
 /* probe: read a gaze source as a program would, check what comes, and say what it was.
  *
- *   probe SPEC SECONDS [FALLBACK_LOG [CALIBRATION]]
+ *   probe SPEC [FALLBACK_LOG [CALIBRATION]]
  *
- * Reads until SECONDS have passed or SIGTERM comes. Samples must be in order of number and of every time,
+ * Reads until SIGTERM comes. Samples must be in order of number and of every time,
  * directions of unit length, arrivals not in the future. Prints one line "name=value ..." for scripts; what
  * the source says of itself goes to stderr whenever it changes, with the heap in use. Descriptors and threads
  * are counted when a device was opened for the second and for the last time. Exit code 1 with a line if a
@@ -83,23 +83,37 @@ static void check(struct tally *tally, const struct trk_sample *sample)
     tally->last = *sample;
 }
 
+struct seen { /* of what the source says of itself */
+    struct trk_status status;
+    unsigned changes;
+    struct use first, last; /* when a device was opened for the second and for the last time */
+};
+
+static void tell_status(struct trk_source *source, struct seen *seen)
+{
+    struct trk_status *status = &seen->status;
+    trk_get_status(source, status);
+    if (status->changes == seen->changes) return;
+    fprintf(stderr, "probe: %s [heap %zu]\n", status->description, look().heap);
+    seen->changes = status->changes;
+    if (status->present) seen->last = look();
+    if (status->present && status->connections == 2) seen->first = seen->last;
+}
+
 int main(int count, char **arguments)
 {
-    if (count < 3 || count > 5) {
-        fprintf(stderr, "usage: probe SPEC SECONDS [FALLBACK_LOG [CALIBRATION]]\n");
+    if (count < 2 || count > 4) {
+        fprintf(stderr, "usage: probe SPEC [FALLBACK_LOG [CALIBRATION]]\n");
         return 2;
     }
     struct trk_source_options options = {.spec = arguments[1],
                                          .speed = 1,
-                                         .fallback_log = count > 3 ? arguments[3] : NULL,
-                                         .calibration = count > 4 ? arguments[4] : NULL,
+                                         .fallback_log = count > 2 ? arguments[2] : NULL,
+                                         .calibration = count > 3 ? arguments[3] : NULL,
                                          .loop = true};
     char error[TRK_ERROR_SIZE] = "";
-    uint64_t end_ns = now_ns() + (uint64_t)(atof(arguments[2]) * 1e9);
     struct tally tally = {0};
-    struct trk_status status = {0};
-    struct use first = {0}, last = {0};
-    unsigned changes = (unsigned)-1;
+    struct seen seen = {.changes = (unsigned)-1};
     signal(SIGTERM, on_signal);
     struct trk_source *source = trk_open(&options, error);
     if (!source) {
@@ -107,18 +121,15 @@ int main(int count, char **arguments)
         return 1;
     }
     enum trk_result result = TRK_TIMEOUT;
-    while (!stopped && now_ns() < end_ns && result != TRK_FAILED) {
+    /* What has come already when the end comes is read too. */
+    while (result != TRK_FAILED && !(stopped && result != TRK_SAMPLE)) {
         struct trk_sample sample;
-        uint64_t until_ns = now_ns() + 50000000;
-        result = trk_read(source, until_ns < end_ns ? until_ns : end_ns, &sample, error);
+        result = trk_read(source, stopped ? 0 : now_ns() + 50000000, &sample, error);
         if (result == TRK_SAMPLE) check(&tally, &sample);
-        trk_get_status(source, &status);
-        if (status.changes == changes) continue;
-        fprintf(stderr, "probe: %s [heap %zu]\n", status.description, look().heap);
-        changes = status.changes;
-        if (status.present) last = look();
-        if (status.present && status.connections == 2) first = last;
+        tell_status(source, &seen);
     }
+    const struct trk_status status = seen.status;
+    const struct use first = seen.first, last = seen.last;
     if (result == TRK_FAILED) printf("FAIL: %s\n", error);
     trk_close(source);
     printf("samples=%llu valid=%llu gaps=%llu losses=%llu connections=%u rate=%.0f jitter_ms=%.3f "

@@ -17,7 +17,7 @@ endif()
 foreach(name hid psvr2 auto list conformance fovead leak latency)
   add_test(NAME device_${name}
            COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/device/umockdev.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR} ${name})
-  set_tests_properties(device_${name} PROPERTIES LABELS "device" TIMEOUT 120 SKIP_RETURN_CODE 77)
+  set_tests_properties(device_${name} PROPERTIES LABELS "device" SKIP_RETURN_CODE 77)
 endforeach()
 
 # A true kernel in a virtual machine, and trackers made in it.
@@ -25,4 +25,4 @@ add_executable(vm_hid device/vm_hid.c)
 add_executable(vm_usb device/vm_usb.c)
 target_link_libraries(vm_hid PRIVATE m)
 add_test(NAME device_vm COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/device/vm.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
-set_tests_properties(device_vm PROPERTIES LABELS "device" TIMEOUT 300 SKIP_RETURN_CODE 77 RUN_SERIAL ON)
+set_tests_properties(device_vm PROPERTIES LABELS "device" SKIP_RETURN_CODE 77 RUN_SERIAL ON)

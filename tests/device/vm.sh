@@ -50,7 +50,7 @@ trap 'rm -rf "$place"' EXIT
 root=$place/root
 mkdir -p "$root/bin" "$root/modules" "$root/proc" "$root/sys" "$root/dev" "$root/host"
 cp "$busybox" "$root/bin/busybox"
-for applet in sh mount insmod cat echo mkdir chroot dd printf poweroff timeout; do ln -s busybox "$root/bin/$applet"; done
+for applet in sh mount insmod cat echo mkdir chroot dd printf poweroff; do ln -s busybox "$root/bin/$applet"; done
 
 # A module's file after those that it needs.
 with_needs() {
@@ -89,10 +89,9 @@ chmod 755 "$root/init"
 
 # What is written to port 0xf4 ends QEMU with twice that and one.
 status=0
-timeout 90 qemu-system-x86_64 -M pc -accel tcg -smp 1 -m 1024 -nodefaults -no-user-config -display none -no-reboot \
+qemu-system-x86_64 -M pc -accel tcg -smp 1 -m 1024 -nodefaults -no-user-config -display none -no-reboot \
     -kernel "$cache/vmlinux" -initrd "$place/initramfs" -serial stdio -device isa-debug-exit,iobase=0xf4,iosize=1 \
     -virtfs local,path=/,mount_tag=host,security_model=none,readonly=on,multidevs=remap \
     -append "console=ttyS0 quiet panic=-1 mitigations=off nokaslr" </dev/null || status=$?
-[ "$status" != 124 ] || { echo "FAIL: the guest took more than 90 s"; exit 1; }
 [ $((status % 2)) = 1 ] || { echo "FAIL: the guest ended without a verdict"; exit 1; }
 exit $((status / 2))

@@ -13,7 +13,7 @@ fail() {
 seconds() { echo "  at $(cut -d' ' -f1 /proc/uptime) s"; }
 
 # probe SPEC LEAST CONNECTIONS NAME: until SIGTERM, in the background; judge, after, what it said.
-probe() { timeout 60 "$programs/device_probe" "$1" 60 >probe.out 2>probe.err & probe=$!; }
+probe() { "$programs/device_probe" "$1" >probe.out 2>probe.err & probe=$!; }
 judge() {
     kill "$probe" 2>/dev/null
     wait "$probe"
@@ -28,34 +28,33 @@ judge() {
 
 echo "== HID through uhid and hidraw: unplugged in the middle, and plugged in again"
 probe hid
-"$programs/vm_hid" 2 500 || fail "nobody opened the tracker"
-"$programs/vm_hid" 2 500 || fail "nobody opened the tracker again"
-sleep 0.5
-judge 500 2
+"$programs/vm_hid" 1000 500 || fail "nobody opened the tracker"
+"$programs/vm_hid" 1000 500 || fail "nobody opened the tracker again"
+judge 200 2
 
 echo "== PlayStation VR2 through vhci_hcd and usbfs: the same"
 probe psvr2
-"$programs/vm_usb" 2 500 || fail "nobody asked for gaze"
-sleep 1
-"$programs/vm_usb" 2 500 || fail "nobody asked for gaze again"
-sleep 0.5
-judge 300 2
+"$programs/vm_usb" 1000 500 || fail "nobody asked for gaze"
+"$programs/vm_usb" 1000 500 || fail "nobody asked for gaze again"
+judge 200 2
 
 echo "== fovead itself, both trackers at once; the one that it took is pulled out, and the other goes on"
 make_room
-"$programs/vm_hid" 3 250 & hid=$!
-"$programs/vm_usb" 3 250 & usb=$!
-timeout 60 "$programs/fovead" --scene room.obj --size 128 --gaze auto --until 9s --json >fovead.out 2>fovead.err || {
+"$programs/vm_hid" 750 250 & hid=$!
+"$programs/vm_usb" 750 250 & usb=$!
+"$programs/fovead" --scene room.obj --size 128 --gaze auto --json >fovead.out 2>fovead.err & fovead=$!
+wait "$hid" || fail "fovead never opened the HID tracker"
+wait "$usb" || fail "fovead never asked the PlayStation VR2 for gaze"
+kill "$fovead"
+wait "$fovead" || {
     fail "fovead ended with $?"
     cat fovead.err
 }
-wait "$hid" || fail "fovead never opened the HID tracker"
-wait "$usb" || fail "fovead never asked the PlayStation VR2 for gaze"
 grep gaze fovead.out
 for name in 'Fovea Test Tracker' 'PlayStation VR2'; do
     grep -q "eye tracker $name" fovead.err || fail "fovead never took the $name: $(cat fovead.err)"
 done
 valid=$(sed -n 's/.*"gaze_valid": \([0-9]*\).*/\1/p' fovead.out)
-[ "${valid:-0}" -ge 200 ] || fail "fovead saw ${valid:-no} valid samples"
+[ "${valid:-0}" -ge 100 ] || fail "fovead saw ${valid:-no} valid samples"
 seconds
 exit $failed

@@ -1,9 +1,9 @@
 /* vm_hid: a page 0x12 eye tracker made through the kernel's /dev/uhid, for the guest of vm.sh.
  *
- *   vm_hid SECONDS HZ
+ *   vm_hid REPORTS HZ
  *
- * Answers feature requests, sends reports from when it is opened, and is unplugged, in the middle of its
- * stream, SECONDS later. Exit code 1: nobody opened it. */
+ * Answers feature requests, waits until it is opened, sends so many reports while it is, and is unplugged in
+ * the middle of its stream. */
 #include "descriptors.h"
 #include "hid_tracker.h"
 
@@ -65,16 +65,16 @@ static void answer(int file, const struct uhid_event *asked, unsigned hz)
 
 int main(int count, char **arguments)
 {
-    double seconds = count > 1 ? atof(arguments[1]) : 2;
+    uint64_t reports = count > 1 ? strtoull(arguments[1], NULL, 10) : 1000;
     unsigned hz = count > 2 ? (unsigned)atoi(arguments[2]) : 500;
     int file = open("/dev/uhid", O_RDWR | O_CLOEXEC);
     if (file < 0 || hz == 0 || !create(file)) {
         perror("vm_hid: /dev/uhid");
         return 2;
     }
-    uint64_t period_us = 1000000 / hz, give_up_us = now_us() + 60000000, end_us = 0, next_us = 0, sent = 0;
+    uint64_t period_us = 1000000 / hz, next_us = 0, sent = 0;
     bool is_open = false;
-    while (now_us() < (end_us ? end_us : give_up_us)) {
+    while (sent < reports) {
         struct pollfd wait = {.fd = file, .events = POLLIN};
         uint64_t now = now_us();
         if (poll(&wait, 1,
@@ -85,7 +85,6 @@ int main(int count, char **arguments)
             if (read(file, &event, sizeof event) < 0) break;
             if (event.type == UHID_OPEN) is_open = true;
             if (event.type == UHID_CLOSE) is_open = false;
-            if (is_open && !end_us) end_us = now + (uint64_t)(seconds * 1e6);
             answer(file, &event, hz);
             continue;
         }

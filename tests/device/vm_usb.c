@@ -1,11 +1,10 @@
 /* vm_usb: a PlayStation VR2 as the kernel's vhci_hcd sees it over USB/IP, for the guest of vm.sh. No network:
  * the link is a socket pair, one end of which is handed to the kernel.
  *
- *   vm_usb SECONDS HZ
+ *   vm_usb PACKETS HZ
  *
- * Streams from when it is asked to, and is unplugged, in the middle, SECONDS later. Exit code 1: nobody
- * asked. Messages are those of the kernel's Documentation/usb/usbip_protocol.rst: 48 bytes, big-endian, then
- * data. */
+ * Waits until it is asked to stream, sends so many packets, and is unplugged in the middle. Messages are
+ * those of the kernel's Documentation/usb/usbip_protocol.rst: 48 bytes, big-endian, then data. */
 #include "psvr2.h"
 
 #include <arpa/inet.h>
@@ -158,14 +157,17 @@ static bool attach(int theirs)
     int file = open("/sys/devices/platform/vhci_hcd.0/attach", O_WRONLY | O_CLOEXEC);
     int length =
         snprintf(text, sizeof text, "0 %d 65538 3", theirs); /* port, socket, device id, high speed */
-    bool ok = file >= 0 && write(file, text, (size_t)length) == length;
+    ssize_t written;
+    /* The port may still be busy with what was unplugged just now. */
+    while ((written = write(file, text, (size_t)length)) != length && (errno == EBUSY || errno == EINVAL))
+        nanosleep(&(struct timespec){.tv_nsec = 50000000}, NULL);
     if (file >= 0) close(file);
-    return ok;
+    return written == length;
 }
 
 int main(int count, char **arguments)
 {
-    double seconds = count > 1 ? atof(arguments[1]) : 2;
+    uint64_t packets = count > 1 ? strtoull(arguments[1], NULL, 10) : 1000;
     int hz = count > 2 ? atoi(arguments[2]) : 500, ends[2];
     struct usb usb = {0};
     if (hz <= 0 || socketpair(AF_UNIX, SOCK_STREAM, 0, ends) != 0 || !attach(ends[1])) {
@@ -174,18 +176,12 @@ int main(int count, char **arguments)
     }
     close(ends[1]);
     usb.link = ends[0];
-    uint64_t period_us = 1000000 / (uint64_t)hz, give_up_us = now_us() + 60000000, end_us = 0, next_us = 0,
-             sent = 0;
-    while (!usb.gone && now_us() < (end_us ? end_us : give_up_us)) {
+    uint64_t period_us = 1000000 / (uint64_t)hz, next_us = 0, sent = 0;
+    while (!usb.gone && sent < packets) {
         struct pollfd wait = {.fd = usb.link, .events = POLLIN};
         uint64_t now = now_us();
-        if (poll(&wait, 1,
-                 !usb.streams     ? 50
-                 : next_us <= now ? 0
-                                  : (int)((next_us - now + 999) / 1000)) > 0) {
+        if (poll(&wait, 1, !usb.streams ? 50 : next_us <= now ? 0 : (int)((next_us - now + 999) / 1000)) > 0)
             take(&usb);
-            if (usb.streams && !end_us) end_us = now_us() + (uint64_t)(seconds * 1e6);
-        }
         if (!usb.streams || now_us() < next_us) continue;
         sent += usb.waits > 0;
         send_gaze(&usb);

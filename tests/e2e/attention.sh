@@ -11,15 +11,18 @@ field() { sed -n "s/.*\"$1\": \"\(.*\)\".*/\1/p" "$2"; }
 heard() { sed -n "/\"states\"/,/}/s/.*\"$1\": \([0-9]*\).*/\1/p" "$2"; }
 pair() { grep -A 2 "\"$1\"" "$2" | tail -n 2 | tr -d ' \n'; }
 
-# A blink, then an eye that is not seen for three seconds.
+# A blink, then an eye that is not seen for three seconds, and that again and again: a client that comes late, or is
+# passed over, hears of it the next time.
 awk 'NR > 480 && NR <= 840 {$4 = 0} NR <= 880' "$source/fixtures/hall.gaze" >blinks.gaze
-start $small --gaze replay:blinks.gaze
-timeout 60 "$foveactl" watch --until-finished --json >states.json
+start $small --gaze replay:blinks.gaze --loop
+hears() { [ "$(heard "$1" states.json)" -gt 0 ]; }
+sees_both() { [ "$(field source states.json)" = 'both eyes' ]; }
 for state in fixation saccade blink lost fallback; do
-    [ "$(heard $state states.json)" -gt 0 ] || fail "no $state in the stream: $(cat states.json)"
+    await "$state in the stream" watched states.json hears $state
+    [ "$(heard frozen states.json)" = 0 ] || fail "$(cat states.json)"
 done
-[ "$(heard frozen states.json)" = 0 ] || fail "$(cat states.json)"
-[ "$(field source states.json)" = 'both eyes' ] && [ -n "$(field why states.json)" ] || fail "$(cat states.json)"
+await 'both eyes' watched states.json sees_both
+[ -n "$(field why states.json)" ] || fail "$(cat states.json)"
 stop
 # Every sample as it is measured, and where a saccade will land, are other pictures than what is usual; both are as
 # certain as that.
@@ -31,30 +34,25 @@ done
 
 # Frozen, the direction stays while samples come; then it follows again.
 start $small --gaze synthetic:4
-"$foveactl" --wait watch --for 0.5 --json >free.json
+is_frozen() { [ "$(field state "$1")" = frozen ]; }
+goes_on() { is_frozen second.json && [ "$(number gaze_samples second.json)" -gt $(($(number gaze_samples first.json) + 100)) ]; }
+is_free() { [ -n "$(field state third.json)" ] && ! is_frozen third.json && [ "$(pair gaze_deg third.json)" != "$(pair gaze_deg second.json)" ]; }
 "$foveactl" freeze
-"$foveactl" watch --for 0.3 --json >first.json
-"$foveactl" watch --for 2 --json >second.json
+await 'a frozen gaze' watched first.json is_frozen first.json
+await 'samples of a frozen gaze' watched second.json goes_on
 [ "$(pair gaze_deg first.json)" = "$(pair gaze_deg second.json)" ] || fail "frozen, and the gaze moves: $(cat second.json)"
-[ "$(field state second.json)" = frozen ] && [ "$(heard frozen second.json)" -gt 60 ] || fail "$(cat second.json)"
-[ "$(number gaze_samples second.json)" -gt "$(number gaze_samples first.json)" ] || fail "samples stopped"
 "$foveactl" unfreeze
-"$foveactl" watch --for 2 --json >third.json
-[ "$(pair gaze_deg third.json)" != "$(pair gaze_deg second.json)" ] && [ "$(field state third.json)" != frozen ] ||
-    fail "still frozen: $(cat third.json)"
+await 'a gaze that moves again' watched third.json is_free
 
 # recentre WHERE: at rest it is done; a synthetic observer rests most of the time.
 recentre() {
-    tries=0
-    until "$foveactl" recentre "$@" >said 2>why; do
-        grep -q 'not at rest' why || return 1
-        tries=$((tries + 1))
-        [ "$tries" -lt 100 ] || fail "no rest: $(cat why)"
-        sleep 0.1
-    done
+    await 'an eye at rest' recentred "$@"
+    [ ! -s why ]
 }
+recentred() { "$foveactl" recentre "$@" >said 2>why || ! grep -q 'not at rest' why; }
 recentre || grep -q 'at most 20' why || fail "$(cat why)"
-"$foveactl" watch --for 0.1 --json >where.json
+has_gaze() { [ -n "$(field state where.json)" ]; }
+await 'a gaze' watched where.json has_gaze
 at=$(pair gaze_deg where.json)
 set -- $(echo "$at" | tr , ' ')
 # The eye may have moved on meanwhile: only that it is one of the two answers.
@@ -66,21 +64,18 @@ refused usage "$foveactl" recentre 1,2 3
 [ ! -e state ] || fail "what is no tracker's was kept"
 
 # Keys, on a terminal, which is as before afterwards; each is pressed when the answer to the one before is to be seen.
-shows() {
-    tries=0
-    until grep -q "$1" keys.txt || [ $((tries += 1)) -gt 200 ]; do sleep 0.1; done
-}
+shows() { await "'$1' on the terminal" grep -q "$1" keys.txt; }
+# A step ahead and one to the right are square to each other.
+moved() { "$foveactl" stats --json | grep -A 3 '"eye"' | tr -d '", ' | awk '{s += $1 * $1} END {exit !(s > 0.12 && s < 0.13)}'; }
 : >keys.txt
 (shows 'f freeze'; printf f; shows 'f unfreeze'; printf c; shows 'recentre: gaze is\|gaze is turned by'
-    printf 'w\033[C'; sleep 1; printf q) |
-    script -qec "sh -c 'stty -g >before; timeout --foreground 90 \"$foveactl\" watch; stty -g >after'" /dev/null >>keys.txt
+    printf 'w\033[C'; await 'w and the arrow to move the eye' moved; printf q) |
+    script -qec "sh -c 'stty -g >before; \"$foveactl\" watch; stty -g >after'" /dev/null >>keys.txt
 cmp before after
 grep -q 'f freeze, c recentre, .* q quit' keys.txt && grep -q 'f unfreeze' keys.txt || fail "keys: $(tail -n 20 keys.txt)"
 grep -q 'recentre: gaze is\|gaze is turned by' keys.txt || fail "no answer to c: $(tail -n 20 keys.txt)"
 "$foveactl" stats --json | grep -q '"frozen": true' || fail "f does not freeze"
-# A step ahead and one to the right are square to each other.
-"$foveactl" stats --json | grep -A 3 '"eye"' | tr -d '", ' | awk '{s += $1 * $1} END {exit !(s > 0.12 && s < 0.13)}' ||
-    fail "w and the arrow do not move the eye: $("$foveactl" stats)"
+moved || fail "w and the arrow do not move the eye: $("$foveactl" stats)"
 stop
 [ "$(wc -l <daemon.err)" = 0 ] || fail "the daemon complains: $(cat daemon.err)"
 

@@ -37,13 +37,11 @@ start() {
     rm -f daemon.out daemon.err
     "$fovead" "$@" >daemon.out 2>daemon.err &
     daemon=$!
-    tries=0
-    until grep -qs '^fovead: ready$' daemon.out daemon.err; do
-        kill -0 "$daemon" 2>/dev/null || fail "the daemon did not start: $*"
-        tries=$((tries + 1))
-        [ "$tries" -lt 600 ] || fail "the daemon is not ready after a minute: $*"
-        sleep 0.1
-    done
+    await "the daemon: $*" is_ready "$@"
+}
+is_ready() {
+    kill -0 "$daemon" 2>/dev/null || fail "the daemon did not start: $*"
+    grep -qs '^fovead: ready$' daemon.out daemon.err
 }
 
 # stop [SIGNAL]: the daemon must end in order.
@@ -53,12 +51,12 @@ stop() {
     daemon=
 }
 
-# refused WORD COMMAND...: must fail, promptly, with one line on stderr that holds WORD.
+# refused WORD COMMAND...: must fail by itself with one line on stderr that holds WORD.
 refused() {
     word=$1
     shift
     status=0
-    timeout 60 "$@" >refused.out 2>refused.err </dev/null || status=$?
+    timeout 1200 "$@" >refused.out 2>refused.err </dev/null || status=$?
     case $status in
     1 | 2) ;;
     *) fail "status $status, where 1 or 2 was expected: $* $(cat refused.err)" ;;
@@ -76,6 +74,20 @@ near() {
     mean=$(sed -n 's/^ *"mean": \([0-9.e-]*\),$/\1/p' near.json)
     [ -n "$mean" ] || fail "no mean in near.json: $(cat near.json)"
     awk "BEGIN {exit !($mean <= $limit)}" || fail "FLIP of $* is $mean, where at most $limit was expected"
+}
+
+# watched FILE CONDITION...: does it hold for what foveactl watch writes to FILE in half a second? For await.
+watched() {
+    watched_file=$1
+    shift
+    kill -0 "$daemon" || fail 'the daemon has gone'
+    "$foveactl" watch --for 0.5 --json >"$watched_file" && "$@"
+}
+
+# told FILE KEY LEAST: is that number of foveactl stats, kept in FILE, so large? For await.
+told() {
+    kill -0 "$daemon" || fail 'the daemon has gone'
+    "$foveactl" stats --json >"$1" && [ "$(number "$2" "$1")" -ge "$3" ]
 }
 
 # number KEY FILE: the whole number of that key in a JSON file.

@@ -15,9 +15,9 @@ done
 for client in $clients; do wait "$client" || fail "a hostile client was not treated right: $(cat ./*.err)"; done
 kill -0 "$daemon" || fail "the daemon has gone"
 wait "$watcher" || fail "the honest client: $(cat watch.err)"
-# The coarse levels are 42 tiles: fine ones came too.
-[ "$(number tiles_received watch.json)" -gt 60 ] || fail "the honest client got little: $(cat watch.json)"
-[ "$(number paths watch.json)" -gt 10000 ] || fail "rendering stood still: $(cat watch.json)"
+# The coarse levels are 42 tiles: fine ones came too, or come to the next client.
+is_served() { [ "$(number tiles_received watch.json)" -gt 60 ] && [ "$(number paths watch.json)" -gt 10000 ]; }
+is_served || await 'tiles for an honest client' watched watch.json is_served
 lines=$(grep -c '^fovead: client [0-9]* (process [0-9]*\(, hostile\)*) dropped: ' daemon.err)
 [ "$lines" -ge 17 ] && [ "$lines" -le 18 ] || fail "$lines clients were dropped, of $kinds"
 "$foveactl" stats >/dev/null

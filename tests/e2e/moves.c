@@ -5,7 +5,7 @@
 
 #include "protocol.h"
 
-enum { MOVES = 30, PATIENCE_MS = 30000 };
+enum { MOVES = 30, PATIENCE_MS = 3600000 };
 
 static Fovea__Message *next(struct pro_client *client, Fovea__Message__BodyCase kind)
 {

@@ -25,7 +25,7 @@ static int await(int fd, const char *word)
 int main(int argc, char **argv)
 {
     struct sockaddr_un name = {.sun_family = AF_UNIX};
-    struct timeval patience = {.tv_sec = 60};
+    struct timeval patience = {.tv_sec = 3600};
     int fd = socket(AF_UNIX, SOCK_DGRAM, 0), status, good;
     pid_t child;
 

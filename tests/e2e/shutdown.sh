@@ -36,9 +36,9 @@ rm fovead.sock
 
 # A client stays, and a daemon that ends all the same ends cleanly; the client is told.
 start $small
-"$foveactl" watch --for 60 >watch.txt &
+"$foveactl" watch --for 3600 >watch.txt &
 watcher=$!
-until [ -s watch.txt ]; do sleep 0.1; done
+await 'a client that watches' test -s watch.txt
 stop
 wait "$watcher" || fail "watch ended with status $?"
 

@@ -11,7 +11,7 @@ endforeach()
 
 foreach(name attention bad_input compare hostile move record shutdown steer tracker until virtual)
   add_test(NAME e2e_${name} COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/e2e/${name}.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
-  set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" TIMEOUT 600 SKIP_RETURN_CODE 77)
+  set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" SKIP_RETURN_CODE 77)
 endforeach()
 # What has clients and threads at once is for the thread sanitizer too.
 set_tests_properties(e2e_attention e2e_hostile e2e_move e2e_record e2e_shutdown e2e_steer e2e_virtual PROPERTIES LABELS "e2e;threads")
@@ -20,7 +20,7 @@ set_tests_properties(e2e_attention e2e_hostile e2e_move e2e_record e2e_shutdown 
 if(NOT SANITIZE)
   foreach(name demo golden readme sponza)
     add_test(NAME e2e_${name} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/e2e/${name}.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
-    set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" TIMEOUT 1200 RUN_SERIAL ON SKIP_RETURN_CODE 77)
+    set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" RUN_SERIAL ON SKIP_RETURN_CODE 77)
   endforeach()
   set_tests_properties(e2e_golden PROPERTIES RUN_SERIAL OFF) # it asks for paths, not for time
 endif()

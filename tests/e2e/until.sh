@@ -17,11 +17,11 @@ grep -q '^time  *0\.[5-9]' seconds.txt || grep -q '^time  *[1-9]' seconds.txt ||
 # A closed lamp is the same everywhere, so it converges as soon as it is judged.
 sed 's/Kd 0.6 0.6 0.6/Kd 0 0 0\nKe 1 1 1/; s/Kd 0.7 0.1 0.1/Kd 0 0 0\nKe 1 1 1/; s/Ke 12 12 12/Ke 1 1 1/' room.mtl >lamp.mtl
 sed 's/room.mtl/lamp.mtl/' room.obj >lamp.obj
-timeout 120 "$fovead" --scene lamp.obj --size 128x64 --until converged --json >converged.json 2>/dev/null ||
+"$fovead" --scene lamp.obj --size 128x64 --until converged --json >converged.json 2>/dev/null ||
     fail "a lamp does not converge"
 [ "$(number tiles_converged converged.json)" = 2 ] || fail "$(cat converged.json)"
 
-timeout 60 "$fovead" --scene room.obj --size 256x128 --gaze replay:short.gaze --until end --json >end.json 2>/dev/null ||
+"$fovead" --scene room.obj --size 256x128 --gaze replay:short.gaze --until end --json >end.json 2>/dev/null ||
     fail "it does not end with the recording"
 [ "$(number gaze_samples end.json)" = 120 ] || fail "$(cat end.json)"
 grep -q '"mode": "fv"' end.json || fail "$(cat end.json)"

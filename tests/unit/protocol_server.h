@@ -9,6 +9,7 @@
 #include <netinet/in.h>
 #include <poll.h>
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,13 +20,14 @@
 
 #include "protocol.h"
 
-enum { WIDTH = 128, HEIGHT = 64, TILE = 16, FILM_LEVELS = 3, PATIENCE_MS = 20000 };
+enum { WIDTH = 128, HEIGHT = 64, TILE = 16, FILM_LEVELS = 3, PATIENCE_MS = 3600000 };
 
 struct server {
     struct pro_address address; /* where it listens */
     void (*script)(struct server *server);
-    int late_ms; /* starts to listen so much later */
-    int variant; /* for the script */
+    bool is_late;           /* listens only after */
+    atomic_bool may_listen; /* this */
+    int variant;            /* for the script */
     int listener, fd;
     struct pro_reader reader;
     pthread_t thread;
@@ -173,8 +175,9 @@ static inline void server_until_gone(struct server *server)
 static inline void *server_run(void *argument)
 {
     struct server *server = argument;
-    if (server->late_ms) {
-        server_pause(server->late_ms);
+    if (server->is_late) {
+        while (!atomic_load(&server->may_listen)) server_pause(1);
+        server_pause(150);
         listen(server->listener, 4);
     }
     struct pollfd poll_fd = {.fd = server->listener, .events = POLLIN};
@@ -210,7 +213,7 @@ static inline bool server_start(struct server *server, bool tcp)
         strcpy(server->address.path, at.sun_path);
         bound = bind(server->listener, (struct sockaddr *)&at, sizeof at) == 0;
     }
-    if (!bound || (!server->late_ms && listen(server->listener, 4) != 0)) return false;
+    if (!bound || (!server->is_late && listen(server->listener, 4) != 0)) return false;
     return pthread_create(&server->thread, NULL, server_run, server) == 0;
 }
 

@@ -57,6 +57,18 @@ static struct trk_recorder *open_new(bool replace)
     return recorder;
 }
 
+/* Until the recorder, by itself, has written so many samples. */
+static void await_written(struct trk_recorder *recorder, uint64_t count)
+{
+    struct trk_recorder_state now;
+    for (;;) {
+        trk_recorder_look(recorder, &now);
+        assert_false(now.failed);
+        if (now.written >= count) return;
+        sleep_ms(10);
+    }
+}
+
 static void reads_as(const struct trk_sample *samples, size_t count)
 {
     struct trk_log back;
@@ -89,15 +101,10 @@ static void is_there_soon(void **state)
 {
     (void)state;
     struct trk_log log;
-    struct trk_recorder_state now;
     assert_true(trk_synthesise(4, 1, &log));
     struct trk_recorder *recorder = open_new(false);
     for (size_t i = 0; i < log.count; i++) trk_recorder_append(recorder, &log.samples[i]);
-    uint64_t end_ns = monotonic_ns() + 5000000000;
-    do {
-        sleep_ms(10);
-        trk_recorder_look(recorder, &now);
-    } while (now.written < log.count && monotonic_ns() < end_ns);
+    await_written(recorder, log.count);
     reads_as(log.samples, log.count);
     assert_true(trk_recorder_close(recorder, NULL, error));
     trk_log_finish(&log);
@@ -160,7 +167,25 @@ static void refuses_impossible_samples(void **state)
     trk_log_finish(&log);
 }
 
-/* Killed in mid-recording at 500 Hz, the log holds all but the last second: in truth, the last 0.15 s. */
+/* The child's end of survives_a_kill(): records at 500 Hz for ever, and says after each sample how many are
+ * written. */
+static void record_for_ever(int pipe_fd)
+{
+    struct trk_recorder_state now;
+    struct trk_recorder *recorder = trk_recorder_open(path, false, error);
+    if (!recorder) _exit(1);
+    for (uint64_t i = 1;; i++) {
+        struct trk_sample sample = {
+            .sequence = i, .device_ns = monotonic_ns(), .valid = TRK_DIRECTION, .direction = {0, 0, -1}};
+        sample.arrival_ns = sample.device_ns;
+        trk_recorder_append(recorder, &sample);
+        trk_recorder_look(recorder, &now);
+        if (write(pipe_fd, &now.written, sizeof now.written) != sizeof now.written) _exit(1);
+        sleep_ms(2);
+    }
+}
+
+/* Killed in mid-recording, the log holds all that was said to be written, whole and in order. */
 static void survives_a_kill(void **state)
 {
     (void)state;
@@ -170,25 +195,15 @@ static void survives_a_kill(void **state)
         unlink(path);
         pid_t child = fork();
         assert_true(child >= 0);
-        if (child == 0) {
-            struct trk_recorder *recorder = trk_recorder_open(path, false, error);
-            if (!recorder) _exit(1);
-            for (uint64_t i = 1;; i++) {
-                struct trk_sample sample = {.sequence = i,
-                                            .device_ns = monotonic_ns(),
-                                            .valid = TRK_DIRECTION,
-                                            .direction = {0, 0, -1}};
-                sample.arrival_ns = sample.device_ns;
-                trk_recorder_append(recorder, &sample);
-                if (write(pipe_fd[1], &i, sizeof i) != sizeof i) _exit(1);
-                sleep_ms(2);
-            }
-        }
+        if (child == 0) record_for_ever(pipe_fd[1]);
         close(pipe_fd[1]);
-        sleep_ms(700 + 130 * round);
+        uint64_t written = 0, appended = 0, more;
+        while (written < 300 + 70 * (uint64_t)round) {
+            assert_int_equal(read(pipe_fd[0], &written, sizeof written), sizeof written);
+            appended++;
+        }
         assert_int_equal(kill(child, SIGKILL), 0);
-        uint64_t killed_ns = monotonic_ns(), last = 0, i;
-        while (read(pipe_fd[0], &i, sizeof i) == sizeof i) last = i;
+        for (; read(pipe_fd[0], &more, sizeof more) == sizeof more; appended++) written = more;
         close(pipe_fd[0]);
         int status;
         assert_int_equal(waitpid(child, &status, 0), child);
@@ -198,10 +213,10 @@ static void survives_a_kill(void **state)
         if (!trk_log_read(path, &back, error)) fail_msg("%s", error);
         const struct trk_sample *newest = &back.samples[back.count - 1];
         assert_int_equal(newest->sequence, back.count); /* none is missing before */
-        assert_true(last >= back.count && back.count > 10);
-        print_message("%zu of %llu samples, the newest %.0f ms before the kill\n", back.count,
-                      (unsigned long long)last, (double)(killed_ns - newest->arrival_ns) * 1e-6);
-        assert_true(killed_ns - newest->arrival_ns < 1000000000);
+        print_message("%zu of %llu samples are kept, %llu were said to be\n", back.count,
+                      (unsigned long long)appended, (unsigned long long)written);
+        /* The last may have been appended and not told. */
+        assert_in_range(back.count, written, appended + 1);
         trk_log_finish(&back);
     }
 }
@@ -246,7 +261,7 @@ static void full_disk(void **state)
     struct trk_recorder *recorder = open_new(false);
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
     for (size_t i = 0; i < 10; i++) trk_recorder_append(recorder, &log.samples[i]);
-    sleep_ms(300);
+    await_written(recorder, 10);
     for (size_t i = 10; i < log.count; i++) trk_recorder_append(recorder, &log.samples[i]);
     bool ok = trk_recorder_close(recorder, &after, error);
     setrlimit(RLIMIT_FSIZE, &before);
@@ -260,26 +275,25 @@ static void full_disk(void **state)
     trk_log_finish(&log);
 }
 
-/* Faster than any disk: what does not fit into the queue is counted, and appending never waits. */
+/* Faster than any disk: what does not fit into the queue is counted. */
 static void counts_what_it_drops(void **state)
 {
     (void)state;
-    enum { MANY = 40000 };
-    struct trk_recorder_state after;
+    struct trk_recorder_state after = {0};
     struct trk_recorder *recorder = open_new(false);
-    uint64_t slowest_ns = 0;
-    for (uint64_t i = 1; i <= MANY; i++) {
-        struct trk_sample sample = {.sequence = i, .device_ns = i, .arrival_ns = i};
-        uint64_t start_ns = monotonic_ns();
-        trk_recorder_append(recorder, &sample);
-        uint64_t took_ns = monotonic_ns() - start_ns;
-        if (took_ns > slowest_ns) slowest_ns = took_ns;
+    uint64_t count = 0;
+    while (!after.dropped) {
+        for (int i = 0; i < 10000; i++) {
+            count++;
+            struct trk_sample sample = {.sequence = count, .device_ns = count, .arrival_ns = count};
+            trk_recorder_append(recorder, &sample);
+        }
+        trk_recorder_look(recorder, &after);
     }
     assert_true(trk_recorder_close(recorder, &after, error));
-    print_message("%llu dropped of %d at full speed; the slowest append took %.2f ms\n",
-                  (unsigned long long)after.dropped, MANY, (double)slowest_ns * 1e-6);
-    assert_true(after.dropped > 0);
-    assert_int_equal(after.written + after.dropped, MANY);
+    print_message("%llu dropped of %llu at full speed\n", (unsigned long long)after.dropped,
+                  (unsigned long long)count);
+    assert_int_equal(after.written + after.dropped, count);
     struct trk_log back;
     if (!trk_log_read(path, &back, error)) fail_msg("%s", error);
     assert_int_equal(back.count, after.written);
@@ -312,7 +326,7 @@ static void two_threads(void **state)
     for (int i = 0; i < 2; i++) pthread_join(threads[i], NULL);
     assert_true(trk_recorder_close(shared, &after, error));
     assert_int_equal(after.written + after.refused + after.dropped, 4000);
-    assert_true(after.written <= 2000 && after.refused >= 2000);
+    assert_true(after.written <= 2000);
 }
 
 int main(void)
