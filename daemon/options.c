@@ -17,7 +17,7 @@ static const char HELP[] =
     "\n"
     "What is rendered\n"
     "  --scene FILE            glTF, GLB, OBJ, or what else assimp reads\n"
-    "  --env FILE              equirectangular environment map: HDR, EXR\n"
+    "  --env FILE              equirectangular environment map: HDR, EXR; PNG and the like are sRGB\n"
     "  --env-turn DEG          turn the environment map to the right; 0\n"
     "  --sun AZ,EL,E,D         a sun: degrees right of -Z, elevation in degrees, irradiance on a surface "
     "that\n"
