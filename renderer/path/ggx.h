@@ -15,6 +15,8 @@
 
 #include "path/v3.h"
 
+#include <stdbool.h>
+
 #define RND_PI 3.14159265f
 /* Below this GGX's peak outgrows float; a mirror is a lobe of this width. */
 #define RND_MIN_ALPHA 1e-3f
@@ -179,22 +181,32 @@ RND_INLINE struct rnd_mr_view rnd_mr_view(const struct rnd_mr *m, float cosine)
     return v;
 }
 
+/* The glossy lobe alone: BSDF times cosine, and its part of the density. Zero below. */
+RND_INLINE void rnd_mr_gloss(const struct rnd_mr *m, const struct rnd_mr_view *v, struct rnd_v3 wo,
+                             struct rnd_v3 wi, struct rnd_v3 *out_f, float *out_pdf)
+{
+    const float o = rnd_larger(wo.z, RND_MIN_COSINE), i = rnd_larger(wi.z, RND_MIN_COSINE);
+    const struct rnd_v3 h = rnd_v3_normalize(rnd_v3(wo.x + wi.x, wo.y + wi.y, o + i));
+    const float d = rnd_ggx_d(h, m->alpha), t = rnd_schlick(rnd_v3_dot(wo, h));
+    const float ro = rnd_ggx_reach(o, m->alpha), ri = rnd_ggx_reach(i, m->alpha);
+    const float above = wi.z > 0.0f ? 1.0f : 0.0f;
+    const float gloss = above * 0.5f * d * i / (i * ro + o * ri), dull = gloss * (1.0f - t), edge = gloss * t;
+    *out_f = rnd_v3(v->f0.x * dull + v->f90.x * edge, v->f0.y * dull + v->f90.y * edge,
+                    v->f0.z * dull + v->f90.z * edge);
+    *out_pdf = v->share * above * 0.5f * d / (o + ro);
+}
+
 /* BSDF times cosine, and the density with which rnd_mr_draw() draws wi, per steradian. Zero below. */
 RND_INLINE void rnd_mr_eval(const struct rnd_mr *m, struct rnd_v3 wo, struct rnd_v3 wi, struct rnd_v3 *out_f,
                             float *out_pdf)
 {
-    const float o = rnd_larger(wo.z, RND_MIN_COSINE), i = rnd_larger(wi.z, RND_MIN_COSINE);
-    const struct rnd_mr_view v = rnd_mr_view(m, o);
-    const struct rnd_v3 h = rnd_v3_normalize(rnd_v3(wo.x + wi.x, wo.y + wi.y, o + i));
-    const float d = rnd_ggx_d(h, m->alpha), t = rnd_schlick(rnd_v3_dot(wo, h));
-    const float ro = rnd_ggx_reach(o, m->alpha), ri = rnd_ggx_reach(i, m->alpha);
-    const float above = wi.z > 0.0f ? 1.0f : 0.0f, cosine = above * i / RND_PI;
-    const float gloss = above * 0.5f * d * i / (i * ro + o * ri), dull = gloss * (1.0f - t), edge = gloss * t;
+    const float i = rnd_larger(wi.z, RND_MIN_COSINE), cosine = (wi.z > 0.0f ? 1.0f : 0.0f) * i / RND_PI;
+    const struct rnd_mr_view v = rnd_mr_view(m, rnd_larger(wo.z, RND_MIN_COSINE));
     const float matt = m->matt * v.through * rnd_mr_through(m, rnd_ggx_albedo(i, m->alpha)) * cosine;
-    *out_f = rnd_v3(v.f0.x * dull + v.f90.x * edge + m->base.x * matt,
-                    v.f0.y * dull + v.f90.y * edge + m->base.y * matt,
-                    v.f0.z * dull + v.f90.z * edge + m->base.z * matt);
-    *out_pdf = v.share * above * 0.5f * d / (o + ro) + (1.0f - v.share) * cosine;
+    struct rnd_v3 gloss;
+    rnd_mr_gloss(m, &v, wo, wi, &gloss, out_pdf);
+    *out_f = rnd_v3_muladd(m->base, matt, gloss);
+    *out_pdf += (1.0f - v.share) * cosine;
 }
 
 /* Draw wi from three numbers in [0,1). weight is BSDF times cosine over density; where the path ends, weight
@@ -214,6 +226,54 @@ RND_INLINE void rnd_mr_draw(const struct rnd_mr *m, struct rnd_v3 wo, float u0, 
     *out_wi = wi;
     *out_weight = rnd_v3_scale(f, inverse);
     *out_pdf = pdf;
+}
+
+/* --- shading normals that are not the triangle's ---
+ *
+ * A normal map or a smooth normal may reflect light to below the triangle. That light is not lost: the flat
+ * surface around the bump reflects it once more, so that a lobe's part below is folded back about the
+ * triangle's plane, and a white metal stays white whatever its normal. (To bend the normal until the mirror
+ * direction is above, as Keller et al. 2017, "The Iray light transport simulation and rendering system",
+ * section A.3, and Cycles do, keeps a mirror bright but loses up to half of a rough lobe.) A matt lobe is
+ * not folded: its part below is what such a bump hides from itself. */
+
+/* A direction mirrored about the plane of a unit normal. */
+RND_INLINE struct rnd_v3 rnd_fold(struct rnd_v3 w, struct rnd_v3 normal)
+{
+    return rnd_v3_muladd(normal, -2.0f * rnd_v3_dot(w, normal), w);
+}
+
+/* rnd_mr_eval() for a triangle with that normal, in the frame of the shading normal. Zero below the triangle.
+ */
+RND_INLINE void rnd_mr_eval_folded(const struct rnd_mr *m, struct rnd_v3 geometric, struct rnd_v3 wo,
+                                   struct rnd_v3 wi, struct rnd_v3 *out_f, float *out_pdf)
+{
+    *out_f = rnd_v3(0.0f, 0.0f, 0.0f);
+    *out_pdf = 0.0f;
+    if (!(rnd_v3_dot(wi, geometric) > 0.0f)) return;
+    rnd_mr_eval(m, wo, wi, out_f, out_pdf);
+    const struct rnd_v3 below = rnd_fold(wi, geometric);
+    if (!(below.z > 0.0f)) return;
+    const struct rnd_mr_view v = rnd_mr_view(m, rnd_larger(wo.z, RND_MIN_COSINE));
+    struct rnd_v3 f;
+    float pdf;
+    rnd_mr_gloss(m, &v, wo, below, &f, &pdf);
+    *out_f = rnd_v3_add(*out_f, f);
+    *out_pdf += pdf;
+}
+
+/* rnd_mr_draw() for the same. */
+RND_INLINE void rnd_mr_draw_folded(const struct rnd_mr *m, struct rnd_v3 geometric, struct rnd_v3 wo,
+                                   float u0, float u1, float u2, struct rnd_v3 *out_wi,
+                                   struct rnd_v3 *out_weight, float *out_pdf)
+{
+    rnd_mr_draw(m, wo, u0, u1, u2, out_wi, out_weight, out_pdf);
+    if (!(*out_pdf > 0.0f)) return;
+    const bool glossy = u2 < rnd_mr_view(m, rnd_larger(wo.z, RND_MIN_COSINE)).share;
+    if (glossy && rnd_v3_dot(*out_wi, geometric) < 0.0f) *out_wi = rnd_fold(*out_wi, geometric);
+    struct rnd_v3 f;
+    rnd_mr_eval_folded(m, geometric, wo, *out_wi, &f, out_pdf);
+    *out_weight = rnd_v3_scale(f, *out_pdf > 0.0f ? 1.0f / *out_pdf : 0.0f);
 }
 
 #endif

@@ -99,7 +99,8 @@ struct view {
     float sheen_roughness;
     float coat, sheen;                        /* strength of the layers; 0: not there */
     float sheen_share, mr_share, glass_share; /* of the light, that each is given */
-    float p_coat, p_sheen, p_mr, p_glass;     /* chance of each to be drawn */
+    bool bent; /* some of the lobes may be on the wrong side of the triangle: see rnd_fold() */
+    float p_coat, p_sheen, p_mr, p_glass; /* chance of each to be drawn */
 };
 
 /* What glass reflects and what it lets through, tinted, at a cosine to the facet, and the chance with which
@@ -152,6 +153,8 @@ static struct view view_of(const struct rnd_surface *s, vec3s wo)
         v.rest = passes < 1.0f ? (1.0f - reflects) / (1.0f - passes) : 0.0f;
     }
     v.sheen_roughness = fmaxf(l->sheen_roughness, SHEEN_LEAST);
+    v.bent = glms_vec3_dot(s->shading, s->geometric) < 1.0f - 1e-6f ||
+             (l->coat > 0.0f && glms_vec3_dot(l->coat_normal, s->geometric) < 1.0f - 1e-6f);
 
     float left = 1.0f;
     if (!inside && l->coat > 0.0f && v.coat_wo.z > 0.0f) {
@@ -226,38 +229,53 @@ static void add(struct rnd_v3 *sum, float *sum_pdf, struct rnd_v3 f, float share
     *sum_pdf += chance * pdf;
 }
 
-static vec3s evaluate(const struct view *v, vec3s world, float *out_pdf)
+/* Add what the lobes have in a direction that is above or below the triangle, or is folded to there; all of
+ * them, or the glossy ones alone. */
+static void add_lobes(const struct view *v, struct rnd_v3 world, bool above, bool all, struct rnd_v3 *sum,
+                      float *sum_pdf)
 {
-    const struct rnd_surface *s = v->s;
-    const struct rnd_v3 wi = rnd_v3_to_local(&v->frame, rnd_to_v3(world));
-    const bool above = glms_vec3_dot(world, s->geometric) > 0.0f;
-    struct rnd_v3 sum = {0, 0, 0}, f;
+    const struct rnd_v3 wi = rnd_v3_to_local(&v->frame, world);
+    struct rnd_v3 f;
     float pdf;
-    *out_pdf = 0.0f;
     if (v->coat > 0.0f && above) {
-        const struct rnd_v3 c = rnd_v3_to_local(&v->coat_frame, rnd_to_v3(world));
+        const struct rnd_v3 c = rnd_v3_to_local(&v->coat_frame, world);
         if (c.z > 0.0f) {
             const float alpha = v->l->coat_alpha, ro = rnd_ggx_reach(v->coat_wo.z, alpha);
             const struct rnd_v3 h = rnd_v3_normalize(rnd_v3_add(v->coat_wo, c));
             const float d = rnd_ggx_d(h, alpha), fresnel = 0.04f + 0.96f * rnd_schlick(rnd_v3_dot(c, h));
             const float gloss =
                 0.5f * d * c.z * fresnel / (c.z * ro + v->coat_wo.z * rnd_ggx_reach(c.z, alpha));
-            add(&sum, out_pdf, rnd_v3(gloss, gloss, gloss), v->coat, 0.5f * d / (v->coat_wo.z + ro),
+            add(sum, sum_pdf, rnd_v3(gloss, gloss, gloss), v->coat, 0.5f * d / (v->coat_wo.z + ro),
                 v->p_coat);
         }
     }
-    if (above != (wi.z > 0.0f)) return rnd_from_v3(sum); /* between the two normals */
-    if (above && v->sheen > 0.0f)
-        add(&sum, out_pdf, rnd_to_v3(v->l->sheen), v->sheen_share * sheen_lobe(v->wo, wi, v->sheen_roughness),
+    if (above != (wi.z > 0.0f)) return; /* between the two normals */
+    if (above && all && v->sheen > 0.0f)
+        add(sum, sum_pdf, rnd_to_v3(v->l->sheen), v->sheen_share * sheen_lobe(v->wo, wi, v->sheen_roughness),
             0.5f / RND_PI, v->p_sheen);
     if (above && v->mr_share > 0.0f) {
-        rnd_mr_eval(&v->mr, v->wo, wi, &f, &pdf);
-        add(&sum, out_pdf, f, v->mr_share, pdf, v->p_mr);
+        if (all) {
+            rnd_mr_eval(&v->mr, v->wo, wi, &f, &pdf);
+        } else {
+            const struct rnd_mr_view mr = rnd_mr_view(&v->mr, fmaxf(v->wo.z, RND_MIN_COSINE));
+            rnd_mr_gloss(&v->mr, &mr, v->wo, wi, &f, &pdf);
+        }
+        add(sum, sum_pdf, f, v->mr_share, pdf, v->p_mr);
     }
     if (v->glass_share > 0.0f && !v->smooth) {
-        f = (s->material->thin ? thin_glass : thick_glass)(v, wi, &pdf);
-        add(&sum, out_pdf, f, v->glass_share, pdf, v->p_glass);
+        f = (v->s->material->thin ? thin_glass : thick_glass)(v, wi, &pdf);
+        add(sum, sum_pdf, f, v->glass_share, pdf, v->p_glass);
     }
+}
+
+static vec3s evaluate(const struct view *v, vec3s world, float *out_pdf)
+{
+    const struct rnd_v3 wi = rnd_to_v3(world), geometric = rnd_to_v3(v->s->geometric);
+    const bool above = rnd_v3_dot(wi, geometric) > 0.0f;
+    struct rnd_v3 sum = {0, 0, 0};
+    *out_pdf = 0.0f;
+    add_lobes(v, wi, above, true, &sum, out_pdf);
+    if (v->bent) add_lobes(v, rnd_fold(wi, geometric), above, false, &sum, out_pdf);
     return rnd_from_v3(sum);
 }
 
@@ -294,7 +312,10 @@ static bool draw_smooth_glass(const struct view *v, float u, struct rnd_bsdf_sam
     out->wi = rnd_from_v3(rnd_v3_normalize(rnd_v3_to_world(&v->frame, wi)));
     out->weight = rnd_from_v3(reflect ? rnd_v3_scale(p.reflected, share / p.p_reflect)
                                       : rnd_v3_scale(p.through, share * squeeze / (1.0f - p.p_reflect)));
-    return reflect == (glms_vec3_dot(out->wi, v->s->geometric) > 0.0f);
+    const struct rnd_v3 geometric = rnd_to_v3(v->s->geometric);
+    if (reflect != (glms_vec3_dot(out->wi, v->s->geometric) > 0.0f))
+        out->wi = rnd_from_v3(rnd_fold(rnd_to_v3(out->wi), geometric));
+    return true;
 }
 
 bool rnd_rich_draw(const struct rnd_surface *surface, vec3s wo, const float u[3], struct rnd_bsdf_sample *out)
@@ -304,7 +325,7 @@ bool rnd_rich_draw(const struct rnd_surface *surface, vec3s wo, const float u[3]
     const struct rnd_v3_frame *frame = &v.frame;
     struct rnd_v3 wi, weight;
     float pdf, rest = u[2];
-    bool above = true;
+    bool above = true, glossy = true;
     if (rest < v.p_coat) {
         frame = &v.coat_frame;
         wi = rnd_mirror(v.coat_wo, rnd_draw_ggx_normal(v.coat_wo, v.l->coat_alpha, u[0], u[1]));
@@ -313,8 +334,11 @@ bool rnd_rich_draw(const struct rnd_surface *surface, vec3s wo, const float u[3]
         rnd_turn(u[1], &s, &c);
         const float r = sqrtf(u[0] * (2.0f - u[0]));
         wi = rnd_v3(r * c, r * s, 1.0f - u[0]);
+        glossy = false;
     } else if ((rest -= v.p_sheen) < v.p_mr || v.p_glass <= 0.0f) {
-        rnd_mr_draw(&v.mr, v.wo, u[0], u[1], fminf(rest / v.p_mr, 0x1.fffffep-1f), &wi, &weight, &pdf);
+        const float choose = fminf(rest / v.p_mr, 0x1.fffffep-1f);
+        rnd_mr_draw(&v.mr, v.wo, u[0], u[1], choose, &wi, &weight, &pdf);
+        glossy = choose < rnd_mr_view(&v.mr, fmaxf(v.wo.z, RND_MIN_COSINE)).share;
     } else {
         const float choose = fminf((rest - v.p_mr) / v.p_glass, 0x1.fffffep-1f);
         if (v.smooth) return draw_smooth_glass(&v, choose, out);
@@ -325,8 +349,11 @@ bool rnd_rich_draw(const struct rnd_surface *surface, vec3s wo, const float u[3]
     }
     out->wi = rnd_from_v3(rnd_v3_normalize(rnd_v3_to_world(frame, wi)));
     out->delta = false;
-    /* not into another facet, nor to a side that only one of the normals has it on */
-    if (above != (wi.z > 0.0f) || above != (glms_vec3_dot(out->wi, surface->geometric) > 0.0f)) return false;
+    if (above != (wi.z > 0.0f)) return false; /* into another facet */
+    if (above != (glms_vec3_dot(out->wi, surface->geometric) > 0.0f)) {
+        if (!glossy) return false;
+        out->wi = rnd_from_v3(rnd_fold(rnd_to_v3(out->wi), rnd_to_v3(surface->geometric)));
+    }
     const vec3s f = evaluate(&v, out->wi, &out->pdf);
     if (!(out->pdf > 0.0f)) return false;
     out->weight = glms_vec3_scale(f, 1.0f / out->pdf);

@@ -59,11 +59,40 @@ static void draw_matt(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
     }
 }
 
+RND_INLINE struct rnd_mr metal_rough_at(const struct rnd_surfaces *s, size_t j)
+{
+    return rnd_mr(rnd_get(&s->base, j), s->metallic[j], s->alpha[j], rnd_v3(s->f0[j], s->f0[j], s->f0[j]),
+                  s->f90[j]);
+}
+
+/* A point at which some of the glossy lobe is below the triangle, and folds onto a direction in question. */
+static void folded(struct rnd_tracer *tracer, size_t j)
+{
+    const struct rnd_surfaces *s = &tracer->surfaces;
+    struct rnd_scatters *to = &tracer->scatters;
+    const struct rnd_v3_frame frame = rnd_v3_frame(rnd_get(&s->normal, j));
+    const struct rnd_v3 geometric = rnd_v3_to_local(&frame, rnd_get(&s->geometric, j)),
+                        light = rnd_v3_to_local(&frame, rnd_get(&tracer->lights.direction, j)),
+                        wo = rnd_v3_scale(rnd_v3_to_local(&frame, rnd_get(&tracer->paths[1].direction, j)),
+                                          -1.0f);
+    const struct rnd_mr m = metal_rough_at(s, j);
+    struct rnd_v3 f, local, weight;
+    float pdf;
+    rnd_mr_eval_folded(&m, geometric, wo, light, &f, &pdf);
+    rnd_put(&to->brought, j, brought(tracer, j, f, pdf));
+    rnd_mr_draw_folded(&m, geometric, wo, tracer->number[0][j], tracer->number[1][j], tracer->number[2][j],
+                       &local, &weight, &pdf);
+    rnd_put(&to->direction, j, rnd_v3_to_world(&frame, local));
+    rnd_put(&to->weight, j, weight);
+    to->pdf[j] = pdf > 0.0f ? pdf : -1.0f;
+}
+
 /* Both halves at once: they share what takes most of the work. */
 static void metal_rough(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
 {
     const struct rnd_surfaces *s = &tracer->surfaces;
     struct rnd_scatters *to = &tracer->scatters;
+    uint32_t *folds = tracer->order, any = 0;
 #pragma GCC ivdep
     for (size_t j = begin; j < end; j++) {
         const struct rnd_v3_frame frame = rnd_v3_frame(rnd_get(&s->normal, j));
@@ -71,21 +100,27 @@ static void metal_rough(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
                             light = rnd_get(&tracer->lights.direction, j);
         const struct rnd_v3 wo =
             rnd_v3_scale(rnd_v3_to_local(&frame, rnd_get(&tracer->paths[1].direction, j)), -1.0f);
-        const struct rnd_mr m = rnd_mr(rnd_get(&s->base, j), s->metallic[j], s->alpha[j],
-                                       rnd_v3(s->f0[j], s->f0[j], s->f0[j]), s->f90[j]);
+        const struct rnd_mr m = metal_rough_at(s, j);
         struct rnd_v3 f, local, weight;
         float light_pdf, pdf;
-        rnd_mr_eval(&m, wo, rnd_v3_to_local(&frame, light), &f, &light_pdf);
+        const struct rnd_v3 local_light = rnd_v3_to_local(&frame, light);
+        rnd_mr_eval(&m, wo, local_light, &f, &light_pdf);
         rnd_mr_draw(&m, wo, tracer->number[0][j], tracer->number[1][j], tracer->number[2][j], &local, &weight,
                     &pdf);
         const struct rnd_v3 wi = rnd_v3_to_world(&frame, local);
-        const float lit = rnd_v3_dot(light, geometric) > 0.0f ? 1.0f : 0.0f,
-                    above = rnd_v3_dot(wi, geometric);
+        const float height = rnd_v3_dot(light, geometric), lit = height > 0.0f ? 1.0f : 0.0f,
+                    above = rnd_v3_dot(wi, geometric), twice = 2.0f * rnd_v3_dot(frame.z, geometric);
+        /* above the shading normal, once mirrored about the triangle: then the lobe goes on below it */
+        folds[j] = ((height > 0.0f) & (local_light.z > twice * height)) |
+                   ((pdf > 0.0f) & ((above <= 0.0f) | (local.z > twice * above)));
+        any |= folds[j];
         rnd_put(&to->brought, j, brought(tracer, j, rnd_v3_scale(f, lit), light_pdf));
         rnd_put(&to->direction, j, wi);
         rnd_put(&to->weight, j, weight);
         to->pdf[j] = (above > 0.0f) & (pdf > 0.0f) ? pdf : -1.0f;
     }
+    for (uint32_t j = begin; any && j < end; j++)
+        if (folds[j]) folded(tracer, j);
 }
 
 /* --- rich materials: one at a time --- */

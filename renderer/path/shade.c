@@ -13,17 +13,18 @@ vec3s rnd_bsdf(const struct rnd_surface *surface, vec3s wo, vec3s wi, float *out
 {
     *out_pdf = 0.0f;
     if (surface->material->kind == RND_RICH) return rnd_rich_bsdf(surface, wo, wi, out_pdf);
-    const float cos_i = glms_vec3_dot(wi, surface->shading);
-    if (cos_i <= 0.0f || glms_vec3_dot(wi, surface->geometric) <= 0.0f) return glms_vec3_zero();
     if (surface->material->kind == RND_DIFFUSE) {
+        const float cos_i = glms_vec3_dot(wi, surface->shading);
+        if (cos_i <= 0.0f || glms_vec3_dot(wi, surface->geometric) <= 0.0f) return glms_vec3_zero();
         *out_pdf = cos_i / RND_PI;
         return glms_vec3_scale(surface->base, cos_i / RND_PI);
     }
     const struct rnd_mr m = metal_rough(surface);
     const struct rnd_v3_frame frame = rnd_v3_frame(rnd_to_v3(surface->shading));
     struct rnd_v3 f;
-    rnd_mr_eval(&m, rnd_v3_to_local(&frame, rnd_to_v3(wo)), rnd_v3_to_local(&frame, rnd_to_v3(wi)), &f,
-                out_pdf);
+    rnd_mr_eval_folded(&m, rnd_v3_to_local(&frame, rnd_to_v3(surface->geometric)),
+                       rnd_v3_to_local(&frame, rnd_to_v3(wo)), rnd_v3_to_local(&frame, rnd_to_v3(wi)), &f,
+                       out_pdf);
     return rnd_from_v3(f);
 }
 
@@ -37,7 +38,8 @@ bool rnd_bsdf_draw(const struct rnd_surface *surface, vec3s wo, const float u[3]
         out->pdf = wi.z / RND_PI;
     } else {
         const struct rnd_mr m = metal_rough(surface);
-        rnd_mr_draw(&m, rnd_v3_to_local(&frame, rnd_to_v3(wo)), u[0], u[1], u[2], &wi, &weight, &out->pdf);
+        rnd_mr_draw_folded(&m, rnd_v3_to_local(&frame, rnd_to_v3(surface->geometric)),
+                           rnd_v3_to_local(&frame, rnd_to_v3(wo)), u[0], u[1], u[2], &wi, &weight, &out->pdf);
     }
     out->wi = rnd_from_v3(rnd_v3_normalize(rnd_v3_to_world(&frame, wi)));
     out->weight = rnd_from_v3(weight);

@@ -11,6 +11,20 @@ static const struct case_of_bsdf cases[] = {
     {.name = "coat 0.8", .kind = RND_METAL_ROUGH, .metallic = 0, .roughness = 0.8f, .specular = 1},
     {.name = "half 0.4", .kind = RND_METAL_ROUGH, .metallic = 0.5f, .roughness = 0.4f, .specular = 0.5f},
 };
+static const struct case_of_bsdf bent[] = {
+    {.name = "metal, bent",
+     .kind = RND_METAL_ROUGH,
+     .metallic = 1,
+     .roughness = 0.5f,
+     .specular = 1,
+     .bend_deg = 40},
+    {.name = "coat, bent",
+     .kind = RND_METAL_ROUGH,
+     .metallic = 0,
+     .roughness = 0.6f,
+     .specular = 1,
+     .bend_deg = 25},
+};
 enum { CASES = sizeof cases / sizeof *cases };
 
 static const double angles[] = {0, 30, 60, 85};
@@ -31,6 +45,39 @@ static void draws_follow_density(void **state)
                                                            (uint32_t)(c * ANGLES + a));
             if (cases[c].kind == RND_DIFFUSE || angles[a] == 0)
                 assert_true(sum > (cases[c].roughness < 1 ? 0.9 : 0.45));
+        }
+}
+
+/* Shading normals that are not the triangle's: draws are above the triangle and follow the density, and a
+ * white metal returns all light, however much of its lobe such a normal sends below. */
+static void bent_normals(void **state)
+{
+    (void)state;
+    for (uint32_t k = 0; k < sizeof bent / sizeof *bent; k++)
+        for (uint32_t a = 0; a < 2; a++)
+            assert_draws_follow_density(&bent[k], 25.0 * a, 32, 32, 200 + 2 * k + a);
+    for (int roughness = 0; roughness <= 10; roughness++)
+        for (int bend = 0; bend <= 80; bend += 20) {
+            const struct case_of_bsdf metal = {.name = "metal, bent",
+                                               .kind = RND_METAL_ROUGH,
+                                               .metallic = 1,
+                                               .roughness = 0.1f * (float)roughness,
+                                               .specular = 1,
+                                               .bend_deg = (float)bend};
+            const uint32_t n = 50000;
+            struct rnd_material material;
+            struct rnd_surface s;
+            double mean = 0.0;
+            make(&metal, 1.0f, &material, &s);
+            for (uint32_t i = 0; i < n; i++) {
+                struct rnd_bsdf_sample sample;
+                if (!draw(&s, s.geometric, 91, i, &sample)) continue;
+                assert_true(glms_vec3_dot(sample.wi, s.geometric) > 0.0f);
+                mean += sample.weight.x / n;
+            }
+            print_message("metal of roughness %.1f, its normal bent by %d degrees: albedo %.4f\n",
+                          metal.roughness, bend, mean);
+            assert_float_equal(mean, 1.0, 0.012);
         }
 }
 
@@ -145,11 +192,8 @@ static void tables(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(draws_follow_density),
-        cmocka_unit_test(weights),
-        cmocka_unit_test(reciprocity),
-        cmocka_unit_test(below),
-        cmocka_unit_test(tables),
+        cmocka_unit_test(draws_follow_density), cmocka_unit_test(bent_normals), cmocka_unit_test(weights),
+        cmocka_unit_test(reciprocity),          cmocka_unit_test(below),        cmocka_unit_test(tables),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -29,6 +29,7 @@ struct case_of_bsdf {
     bool thin, back;         /* hit from the back */
     float coat, coat_roughness, coat_tilt_deg;
     float sheen, sheen_roughness;
+    float bend_deg; /* of the shading normal, away from the triangle's */
 };
 
 /* Two unit vectors that make an orthonormal right-handed frame with n (Duff et al. 2017). */
@@ -63,7 +64,8 @@ static inline void make(const struct case_of_bsdf *from, float base, struct rnd_
 {
     const vec3s n = glms_vec3_normalize((vec3s){{0.3f, -0.5f, -0.8f}});
     const float ior = from->ior > 0 ? from->ior : 1.5f, r = (ior - 1) / (ior + 1);
-    const float f0 = r * r * from->specular, tilt = from->coat_tilt_deg * (float)deg;
+    const float f0 = r * r * from->specular, tilt = from->coat_tilt_deg * (float)deg,
+                bend = from->bend_deg * (float)deg;
     vec3s x, y;
     frame_of(n, &x, &y);
     *material = (struct rnd_material){.kind = from->kind,
@@ -75,7 +77,7 @@ static inline void make(const struct case_of_bsdf *from, float base, struct rnd_
     *out = (struct rnd_surface){
         .material = material,
         .geometric = n,
-        .shading = n,
+        .shading = glms_vec3_muladds(y, sinf(bend), glms_vec3_scale(n, cosf(bend))),
         .front = !from->back,
         .base = {{base, base, base}},
         .metallic = from->metallic,
