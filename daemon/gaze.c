@@ -147,13 +147,14 @@ void dmn_gaze_close(struct dmn_gaze *gaze)
 /* --- decisions: with the lock held
  * ------------------------------------------------------------------------------ */
 
-/* Where the head is, or as long as that is unknown where the eye looks, the viewport is. */
-static void take_view(struct dmn_gaze *gaze, const struct trk_sample *sample, bool valid)
+/* Where the head is, or as long as that is unknown where the eye looks, the viewport is. Neither under a lid
+ * nor while no eye is seen does it move. */
+static void take_view(struct dmn_gaze *gaze, const struct trk_sample *sample)
 {
     if (gaze->frozen) return;
     if (sample->valid & TRK_HEAD)
         memcpy(gaze->aim.view, sample->head + 3, sizeof(gaze->aim.view));
-    else if (valid)
+    else if ((sample->valid & TRK_DIRECTION) && gaze->decision.state < TRK_BLINK)
         dmn_orientation(gaze->measured, gaze->aim.view);
 }
 
@@ -207,9 +208,9 @@ static void accept(struct dmn_gaze *gaze, const struct trk_sample *sample, uint6
     gaze->ended = false;
     gaze->samples++;
     gaze->valid += valid;
-    take_view(gaze, sample, valid);
     if (gaze->recorder) trk_recorder_append(gaze->recorder, sample);
     decide(gaze, sample, now_ns);
+    take_view(gaze, sample);
 }
 
 /* What the source has become: auto takes up eye trackers, and those come and go. */
@@ -219,6 +220,7 @@ static void note_status(struct dmn_gaze *gaze, const struct trk_status *status)
 
     if (status->changes != gaze->status.changes) fprintf(stderr, "fovead: gaze: %s\n", status->description);
     gaze->status = *status;
+    trk_attention_pace(gaze->attention, status->speed);
     if (!status->is_device || gaze->recentred) return;
     gaze->recentred = true;
     trk_recentre_set(gaze->attention, gaze->has_rotation ? gaze->rotation : none);

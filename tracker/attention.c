@@ -34,9 +34,10 @@ struct trk_attention {
     versor rotation; /* of recentring, in the head frame */
 
     bool has_sample, has_gaze;
-    struct trk_sample sample;     /* the newest */
-    uint64_t gaze_ns;             /* device time of the newest with a gaze; */
-    uint64_t gaze_arrival_ns;     /* and its arrival */
+    struct trk_sample sample;     /* the newest; */
+    uint64_t heard_ns;            /* when it was taken: time passes from then on, however late it came; */
+    double speed;                 /* of the device's clock against that time */
+    uint64_t gaze_ns;             /* device time of the newest with a gaze */
     bool hidden;                  /* the newest sample has no gaze; */
     bool lids_known, lids_closed; /* what it says of the lids */
     bool settling;                /* the eye has reopened, and what is seen is not believed yet; */
@@ -54,7 +55,7 @@ struct trk_attention *trk_attention_create(const struct trk_attention_options *o
     /* versors want more alignment than calloc() promises */
     struct trk_attention *a = aligned_alloc(_Alignof(struct trk_attention), sizeof *a);
     if (!a) return NULL;
-    *a = (struct trk_attention){.options = *options};
+    *a = (struct trk_attention){.options = *options, .speed = 1};
     trk_classifier_init(&a->classifier);
     glm_quat_identity(a->rotation);
     glm_quat_identity(a->view);
@@ -153,7 +154,6 @@ static void see(struct trk_attention *a, const float head[3], const char *source
     a->hidden = a->lids_closed = false;
     a->has_gaze = true;
     a->gaze_ns = sample->device_ns;
-    a->gaze_arrival_ns = sample->arrival_ns;
     if (a->settling && is_settled(a)) a->settling = a->pinned = false;
     if (a->settling) {
         a->live.state = TRK_BLINK;
@@ -165,7 +165,7 @@ static void see(struct trk_attention *a, const float head[3], const char *source
     aim(a, world, source);
 }
 
-static void take(struct trk_attention *a, const struct trk_sample *sample)
+static void take(struct trk_attention *a, const struct trk_sample *sample, uint64_t now_ns)
 {
     float head[3];
     const char *source;
@@ -173,8 +173,10 @@ static void take(struct trk_attention *a, const struct trk_sample *sample)
         sample->device_ns < a->sample.device_ns) { /* another device, or one that began anew */
         begin_anew(a);
         a->has_gaze = false;
+        a->gaze_ns = sample->device_ns;
     }
     a->sample = *sample;
+    a->heard_ns = now_ns;
     a->has_sample = true;
     a->live.sequence = sample->sequence;
     a->live.device_ns = sample->device_ns;
@@ -218,6 +220,13 @@ static void give_up(struct trk_attention *a, const char *why)
     a->pinned = false;
 }
 
+/* How long the source has said nothing, on the device's clock. */
+static uint64_t silence_ns(const struct trk_attention *a, uint64_t now_ns)
+{
+    if (now_ns <= a->heard_ns) return 0;
+    return (uint64_t)fmin((double)(now_ns - a->heard_ns) * a->speed, 0x1p62);
+}
+
 /* Time passes, and no eye is seen: neither in the newest sample nor, when there is none, since. */
 static void pass_time(struct trk_attention *a, uint64_t now_ns)
 {
@@ -225,10 +234,9 @@ static void pass_time(struct trk_attention *a, uint64_t now_ns)
         give_up(a, "no gaze was seen yet");
         return;
     }
-    uint64_t arrival_ns = a->sample.arrival_ns;
-    bool silent = now_ns > arrival_ns && now_ns - arrival_ns >= TRK_BRIDGED_NS && !a->options.silence_is_rest;
+    bool silent = silence_ns(a, now_ns) >= TRK_BRIDGED_NS && !a->options.silence_is_rest;
     if (!a->hidden && !silent) return;
-    uint64_t lost_ns = now_ns > a->gaze_arrival_ns ? now_ns - a->gaze_arrival_ns : 0;
+    uint64_t lost_ns = a->sample.device_ns - a->gaze_ns + silence_ns(a, now_ns);
     if (lost_ns >= given_up_ns) {
         give_up(a, "no gaze was seen for two seconds");
         return;
@@ -257,7 +265,7 @@ static void pass_time(struct trk_attention *a, uint64_t now_ns)
 void trk_attend(struct trk_attention *a, const struct trk_sample *sample_or_null, uint64_t now_ns,
                 struct trk_gaze *out_gaze)
 {
-    if (sample_or_null) take(a, sample_or_null);
+    if (sample_or_null) take(a, sample_or_null, now_ns);
     pass_time(a, now_ns);
     struct trk_gaze gaze = a->live;
     if (a->frozen) {
@@ -278,6 +286,11 @@ void trk_attend(struct trk_attention *a, const struct trk_sample *sample_or_null
 void trk_attention_freeze(struct trk_attention *attention, bool frozen)
 {
     attention->frozen = frozen;
+}
+
+void trk_attention_pace(struct trk_attention *attention, double speed)
+{
+    attention->speed = speed;
 }
 
 void trk_attention_view(struct trk_attention *attention, const float orientation[4])

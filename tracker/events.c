@@ -38,6 +38,9 @@ static const double first_noise_deg = 0.2, least_noise_deg = 0.01;
  * the least keep it following. */
 static const double first_noise_step = 0.7, least_noise_step = 0.004;
 
+/* Of a lid. */
+static const float half_open = 0.5f;
+
 void trk_classifier_init(struct trk_classifier *classifier)
 {
     *classifier = (struct trk_classifier){.state = TRK_FIXATION, .noise_deg = first_noise_deg};
@@ -234,11 +237,19 @@ enum trk_state trk_classify(struct trk_classifier *c, uint64_t time_ns, const fl
 
 /* --- samples -------------------------------------------------------------------------------------------- */
 
+static bool is_lid_down(const struct trk_sample *sample, int eye)
+{
+    return (sample->valid & TRK_LEFT_OPENNESS << 4 * eye) && sample->eye[eye].openness < half_open;
+}
+
 bool trk_gaze_direction(const struct trk_sample *sample, float out_head[3], const char **out_source)
 {
-    const bool left = sample->valid & TRK_LEFT_DIRECTION, right = sample->valid & TRK_RIGHT_DIRECTION;
+    const bool left = (sample->valid & TRK_LEFT_DIRECTION) && !is_lid_down(sample, 0);
+    const bool right = (sample->valid & TRK_RIGHT_DIRECTION) && !is_lid_down(sample, 1);
     const char *source = "both eyes";
     vec3 direction = {0};
+    bool known;
+    if (trk_lids_closed(sample, &known)) return false;
     if (sample->valid & TRK_DIRECTION) {
         memcpy(direction, sample->direction, sizeof direction);
     } else {
@@ -267,11 +278,12 @@ void trk_to_world(const struct trk_sample *sample, const float head[3], float ou
 
 bool trk_lids_closed(const struct trk_sample *sample, bool *out_known)
 {
-    float widest = -1;
-    if (sample->valid & TRK_LEFT_OPENNESS) widest = sample->eye[0].openness;
-    if (sample->valid & TRK_RIGHT_OPENNESS) widest = fmaxf(widest, sample->eye[1].openness);
-    *out_known = widest >= 0;
-    return *out_known && widest < 0.5f;
+    bool closed = true;
+    *out_known = sample->valid & (TRK_LEFT_OPENNESS | TRK_RIGHT_OPENNESS);
+    for (int eye = 0; eye < 2; eye++)
+        if (sample->valid & (TRK_LEFT_OPENNESS | TRK_LEFT_DIRECTION) << 4 * eye)
+            closed &= is_lid_down(sample, eye);
+    return *out_known && closed;
 }
 
 const char *trk_state_name(enum trk_state state)

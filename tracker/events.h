@@ -43,14 +43,17 @@ void trk_classifier_init(struct trk_classifier *classifier);
 enum trk_state trk_classify(struct trk_classifier *classifier, uint64_t time_ns, const float head[3],
                             const float world[3]);
 
-/* The gaze of a sample: combined if there is one, else the mean of both eyes, else that of one. False if
- * there is none. out_source, which may be NULL, says which: "both eyes", "left eye", "right eye". */
+/* The gaze of a sample: combined if there is one, else the mean of both eyes, else that of one whose lid is
+ * not down. False if there is none, or if the lids are down: what a device goes on reporting then is the eye
+ * that rolls under its lid. out_source, which may be NULL, says which: "both eyes", "left eye", "right eye".
+ */
 bool trk_gaze_direction(const struct trk_sample *sample, float out_head[3], const char **out_source);
 
 /* A direction in the head, by the sample's head pose if it has one. */
 void trk_to_world(const struct trk_sample *sample, const float head[3], float out_world[3]);
 
-/* Are the lids, as far as the sample tells, less than half open? *out_known is false if it does not tell. */
+/* Are the lids, as far as the sample tells, less than half open? An eye that is seen, and of whose lid
+ * nothing is told, is open. *out_known is false if the sample does not tell. */
 bool trk_lids_closed(const struct trk_sample *sample, bool *out_known);
 
 /* How long nothing may be seen and be no event at all, a blink, and how much of what is seen before and after

@@ -174,6 +174,7 @@ void trk_get_status(struct trk_source *source, struct trk_status *out_status)
         source->type->status(source, out_status);
     else
         memcpy(out_status->description, source->description, sizeof source->description);
+    if (!out_status->is_device) out_status->speed = source->speed;
 }
 
 void trk_interrupt(struct trk_source *source)

@@ -173,6 +173,7 @@ struct trk_status {
     char description[TRK_ERROR_SIZE];
     bool is_device;   /* this is of an eye tracker */
     bool present;     /* it is plugged in and open */
+    double speed;     /* how fast device_ns goes against arrival_ns: 1, or a replay's pace; 0 without pace */
     unsigned changes; /* counts whenever description does: a reader that has seen it need not look again */
     unsigned connections; /* how often a device was opened */
     uint64_t losses;      /* how often it fell silent or went */
@@ -301,6 +302,10 @@ void trk_attend(struct trk_attention *attention, const struct trk_sample *sample
 
 /* While frozen the direction stays as it is, whatever the eye does. */
 void trk_attention_freeze(struct trk_attention *attention, bool frozen);
+
+/* How fast the source's clock goes against the one of now_ns (trk_status.speed): 1 to begin with, 0 where no
+ * time passes between samples. */
+void trk_attention_pace(struct trk_attention *attention, double speed);
 
 /* Where the view's centre is when no head pose says so: an orientation (x, y, z, w), view to world. */
 void trk_attention_view(struct trk_attention *attention, const float orientation[4]);

@@ -140,11 +140,12 @@ static void holds_widens_gives_up(void **state)
 {
     (void)state;
     look(60, 20);
-    const uint64_t last_ns = 5000 * MS + now_ns();
+    const uint64_t last_device_ns = now_ns(), last_ns = 5000 * MS + last_device_ns;
     for (uint64_t ms = 0; ms < 3000; ms++) {
         static const enum trk_state states[] = {TRK_FIXATION, TRK_BLINK, TRK_LOST, TRK_FALLBACK};
         if (ms % 8 == 4) {
             struct trk_sample s = sample_of(0, 0);
+            s.device_ns = last_device_ns + ms * MS;
             s.arrival_ns = last_ns + ms * MS;
             take(&s);
         } else {
@@ -184,6 +185,95 @@ static void lids_tell(void **state)
         take(&s);
     }
     is(TRK_LOST, "last gaze");
+}
+
+/* A device that goes on reporting the eye as it rolls under its lid moves no aim. Nor does one lid that is
+ * down, where the other eye is seen. */
+static void lids_hold(void **state)
+{
+    (void)state;
+    const uint32_t lids = TRK_LEFT_OPENNESS | TRK_RIGHT_OPENNESS;
+    const uint32_t eyes = TRK_LEFT_DIRECTION | TRK_RIGHT_DIRECTION;
+    for (int combined = 0; combined < 2; combined++) {
+        begin(&(struct trk_attention_options){0});
+        look(60, 20);
+        for (int i = 0; i < 30; i++) {
+            struct trk_sample s = sample_of(lids | (combined ? TRK_DIRECTION : eyes), 20);
+            s.eye[0].openness = s.eye[1].openness = i % 2 ? 0 : 0.3f;
+            at(20, -0.5 * i, s.direction);
+            at(20, -0.5 * i, s.eye[0].direction);
+            at(20, -0.5 * i, s.eye[1].direction);
+            take(&s);
+            is(TRK_BLINK, "last gaze");
+            assert_string_equal(gaze.why, "the lids are down");
+            aims_at(20, 0.01);
+        }
+        look(3, 20);
+        is(TRK_FIXATION, "both eyes");
+        for (int i = 0; i < 30; i++) {
+            struct trk_sample s = sample_of(lids | eyes, 20);
+            s.eye[0].openness = 1;
+            s.eye[1].openness = 0;
+            at(20, -15, s.eye[1].direction);
+            take(&s);
+        }
+        is(TRK_FIXATION, "left eye");
+        aims_at(20, 0.01);
+    }
+    begin(&(struct trk_attention_options){0});
+    look(60, 20);
+    for (int i = 0; i < 30; i++) { /* of the eye that is seen, the lid is not told */
+        struct trk_sample s = sample_of(TRK_LEFT_OPENNESS | TRK_RIGHT_DIRECTION, 20);
+        take(&s);
+    }
+    is(TRK_FIXATION, "right eye");
+}
+
+/* A sample that is taken late says where gaze is all the same; only what follows can be silence. */
+static void late_is_not_silent(void **state)
+{
+    (void)state;
+    look(60, 20);
+    for (int i = 0; i < 30; i++) {
+        struct trk_sample s = sample_of(TRK_DIRECTION, 20);
+        trk_attend(attention, &s, s.arrival_ns + 1000 * MS, &gaze);
+        is(TRK_FIXATION, "both eyes");
+        trk_attend(attention, NULL, s.arrival_ns + 1074 * MS, &gaze);
+        is(TRK_FIXATION, "both eyes");
+    }
+    trk_attend(attention, NULL, 5000 * MS + now_ns() + 1075 * MS, &gaze);
+    is(TRK_LOST, "last gaze");
+}
+
+/* A recording that is replayed at a tenth of its pace is not lost between its samples, and a blink in it is
+ * no longer than it was: all is judged on the recording's clock. */
+static void slow_replay(void **state)
+{
+    (void)state;
+    const uint32_t lids = TRK_LEFT_OPENNESS | TRK_RIGHT_OPENNESS;
+    trk_attention_pace(attention, 0.1);
+    uint64_t arrival_ns = 0;
+    for (int i = 0; i < 180; i++) {
+        const bool blinks = i >= 100 && i < 140; /* a third of a second */
+        struct trk_sample s = sample_of(blinks ? lids : TRK_DIRECTION, 20);
+        s.arrival_ns = arrival_ns = 5000 * MS + 10 * now_ns();
+        take(&s);
+        trk_attend(attention, NULL, arrival_ns + 50 * MS, &gaze);
+        if (blinks || i >= 142)
+            is(blinks ? TRK_BLINK : TRK_FIXATION, blinks ? "last gaze" : "both eyes");
+        else if (i < 100)
+            is(TRK_FIXATION, "both eyes");
+        assert_true(gaze.spread == 1);
+        aims_at(20, 0.01);
+    }
+    trk_attend(attention, NULL, arrival_ns + 749 * MS, &gaze);
+    is(TRK_FIXATION, "both eyes");
+    trk_attend(attention, NULL, arrival_ns + 750 * MS, &gaze);
+    is(TRK_LOST, "last gaze");
+    trk_attention_pace(attention, 0); /* as fast as it is read: no time passes in between */
+    look(3, 20);
+    trk_attend(attention, NULL, UINT64_MAX, &gaze);
+    is(TRK_FIXATION, "both eyes");
 }
 
 /* A tracker that says nothing at all is lost after 75 ms; a pointer that says nothing rests. */
@@ -553,6 +643,9 @@ int main(void)
         TEST(before_the_first_gaze),
         TEST(holds_widens_gives_up),
         TEST(lids_tell),
+        TEST(lids_hold),
+        TEST(late_is_not_silent),
+        TEST(slow_replay),
         TEST(silence),
         TEST(one_eye_is_enough),
         TEST(dead_zone),

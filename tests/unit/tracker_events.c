@@ -6,6 +6,7 @@
 
 #include "arc.h"
 #include "events.h"
+#include "log/log.h"
 #include "source/observer.h"
 
 #include <stdio.h>
@@ -277,6 +278,36 @@ static void lids_and_silence(void **state)
     finds(expected, sizeof expected / sizeof *expected, 0.0127);
 }
 
+/* A device that goes on reporting the eye under its lid: that is a blink all the same. */
+static void seen_under_the_lid(void **state)
+{
+    (void)state;
+    play(60, 0, 0, false, 1);     /* until 0.5 s */
+    play(24, 0, 15, false, 0.1f); /* rolls away, until 0.7 s */
+    play(60, 0, 0, false, 1);     /* until 1.2 s */
+    static const struct expected expected[] = {
+        {TRK_FIXATION, 0, 0.425, 0, 0}, {TRK_BLINK, 0.425, 0.85, 0, 0}, {TRK_FIXATION, 0.85, 1.2, 0, 0}};
+    finds(expected, sizeof expected / sizeof *expected, 0.0127);
+}
+
+/* The mean of both eyes is that of the open one, when the other is under its lid. */
+static void winks(void **state)
+{
+    (void)state;
+    for (int left = 0; left < 2; left++) {
+        struct trk_sample s = {.valid = TRK_LEFT_DIRECTION | TRK_RIGHT_DIRECTION | TRK_LEFT_OPENNESS |
+                                        TRK_RIGHT_OPENNESS};
+        float open[3];
+        at(10, 0, open);
+        at(10, 0, s.eye[!left].direction);
+        at(10, 20, s.eye[left].direction);
+        s.eye[!left].openness = 0.9f;
+        s.eye[left].openness = 0.2f;
+        trk_combine(&s);
+        assert_true((s.valid & TRK_DIRECTION) && trk_angle_deg(open, s.direction) < 0.01f);
+    }
+}
+
 /* An eye that is elsewhere after a short gap jumped in it, though no onset shows at that distance. */
 static void jump_in_a_gap(void **state)
 {
@@ -419,6 +450,7 @@ int main(void)
         cmocka_unit_test(head_and_eye),           cmocka_unit_test(saccades_at_any_rate),
         cmocka_unit_test(slow_trackers),          cmocka_unit_test(onsets_of_the_observer),
         cmocka_unit_test(events_of_a_log),        cmocka_unit_test(lids_and_silence),
+        cmocka_unit_test(seen_under_the_lid),     cmocka_unit_test(winks),
         cmocka_unit_test(jump_in_a_gap),          cmocka_unit_test(nothing_and_little),
         cmocka_unit_test(events_of_the_observer), cmocka_unit_test(events_of_an_eyelink),
     };

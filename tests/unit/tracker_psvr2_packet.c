@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <cmocka.h>
 
+#include "events.h"
 #include "psvr2_packet.h"
 
 #include "../device/psvr2.h"
@@ -123,13 +124,30 @@ static void impossible_values(void **state)
     assert_int_equal(sample.valid, TRK_LEFT_OPENNESS | TRK_RIGHT_OPENNESS);
 }
 
+/* Its blink is a lid that is down: what it goes on reporting is no gaze. */
+static void blinks(void **state)
+{
+    (void)state;
+    uint8_t packet[PSVR2_PACKET];
+    struct trk_sample sample;
+    uint32_t clock;
+    float head[3];
+    bool known;
+    psvr2_fill(packet, 1);
+    assert_true(parse(packet, sizeof packet, &sample, &clock));
+    assert_true(trk_gaze_direction(&sample, head, NULL)); /* the left eye is open */
+    psvr2_u32(packet, 0x0a0, 1);
+    assert_true(parse(packet, sizeof packet, &sample, &clock));
+    assert_true((sample.valid & TRK_DIRECTION) && trk_lids_closed(&sample, &known) && known);
+    assert_false(trk_gaze_direction(&sample, head, NULL));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_field),
-        cmocka_unit_test(every_flag_on_its_own),
-        cmocka_unit_test(lengths),
-        cmocka_unit_test(impossible_values),
+        cmocka_unit_test(every_field), cmocka_unit_test(every_flag_on_its_own),
+        cmocka_unit_test(lengths),     cmocka_unit_test(impossible_values),
+        cmocka_unit_test(blinks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

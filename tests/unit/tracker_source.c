@@ -305,6 +305,31 @@ static void auto_replays_without_a_device(void **state)
             "absent.gaze: No such file");
 }
 
+/* How fast a source's clock goes: a replay's pace, also where it stands in for a device. */
+static void status_tells_the_pace(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *spec;
+        double speed, told;
+    } cases[] = {
+        {"replay:tracker_source.gaze", 0.1, 0.1},
+        {"replay:tracker_source.gaze", 0, 0},
+        {"auto", 0.25, 0.25},
+        {"synthetic", 0.1, 1},
+        {"pointer", 0.1, 1},
+        {"hid", 0.1, 1},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct trk_source *source = open_source((struct trk_source_options){
+            .spec = cases[i].spec, .speed = cases[i].speed, .fallback_log = FIXTURES "/hall.gaze"});
+        struct trk_status status;
+        trk_get_status(source, &status);
+        assert_true(status.speed == (status.is_device ? 1 : cases[i].told));
+        trk_close(source);
+    }
+}
+
 static void bad_specs(void **state)
 {
     (void)state;
@@ -358,6 +383,7 @@ int main(void)
         cmocka_unit_test(pointer_drops_the_oldest),
         cmocka_unit_test(pointer_takes_from_many_threads),
         cmocka_unit_test(auto_replays_without_a_device),
+        cmocka_unit_test(status_tells_the_pace),
         cmocka_unit_test(bad_specs),
     };
     return cmocka_run_group_tests(tests, write_log, remove_log);

@@ -165,8 +165,12 @@ void trk_combine(struct trk_sample *sample)
 {
     vec3 direction = {0}, origin = {0};
     int origins = 0;
+    bool closed[2]; /* an eye under its lid tells nothing where the other one is open */
+    for (int i = 0; i < 2; i++)
+        closed[i] = (sample->valid & TRK_LEFT_OPENNESS << 4 * i) && sample->eye[i].openness < 0.5f;
     for (int i = 0; i < 2; i++) {
-        if (sample->valid & TRK_LEFT_DIRECTION << 4 * i)
+        const bool other = (sample->valid & TRK_LEFT_DIRECTION << 4 * !i) && !closed[!i];
+        if ((sample->valid & TRK_LEFT_DIRECTION << 4 * i) && !(closed[i] && other))
             glm_vec3_add(direction, sample->eye[i].direction, direction);
         if (sample->valid & TRK_LEFT_ORIGIN << 4 * i) {
             glm_vec3_add(origin, sample->eye[i].origin, origin);

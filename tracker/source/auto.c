@@ -111,6 +111,7 @@ struct trk_source *trk_auto_create(struct trk_source *recording, struct trk_sour
     }
     both->recording = recording;
     both->device = device;
+    both->source.speed = recording->speed;
     snprintf(both->source.description, sizeof both->source.description, "%.290s (%.200s)",
              recording->description, *problem ? problem : "no eye tracker found");
     trk_device_hold(device, recording);

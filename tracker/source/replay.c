@@ -16,7 +16,6 @@ static const uint64_t lone_step_ns = 8333333;
 struct replay {
     struct trk_source source;
     struct trk_log log;
-    double speed;
     bool loop;
     uint64_t lap_ns, lap_sequence; /* how far time and sequence go in a lap */
     uint64_t lap;
@@ -79,7 +78,7 @@ static struct trk_source *replay_open(const char *path, const struct trk_source_
         replay_close(&replay->source);
         return NULL;
     }
-    replay->speed = options->speed;
+    replay->source.speed = options->speed;
     replay->loop = options->loop;
     measure_lap(replay);
     describe(replay, path);
@@ -91,11 +90,11 @@ static struct trk_source *replay_open(const char *path, const struct trk_source_
 static enum trk_result wait_for_next(struct replay *replay, uint64_t log_ns, uint64_t until_ns,
                                      uint64_t *out_arrival_ns)
 {
-    if (replay->speed == 0) {
+    if (replay->source.speed == 0) {
         *out_arrival_ns = replay->source.virtual_clock ? until_ns : trk_now_ns();
         return TRK_SAMPLE;
     }
-    double offset_ns = rint((double)log_ns / replay->speed);
+    double offset_ns = rint((double)log_ns / replay->source.speed);
     return trk_source_pace(&replay->source, offset_ns < 0x1p63 ? (uint64_t)offset_ns : UINT64_MAX, until_ns,
                            out_arrival_ns);
 }

@@ -40,6 +40,7 @@ void *trk_source_create(size_t size, const struct trk_source_type *type, bool vi
     if (!source) return NULL;
     source->type = type;
     source->virtual_clock = virtual_clock;
+    source->speed = 1;
     pthread_condattr_t attributes;
     pthread_condattr_init(&attributes);
     pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);

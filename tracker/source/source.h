@@ -32,6 +32,7 @@ struct trk_source {
     const struct trk_source_type *type;
     char description[TRK_ERROR_SIZE];
     bool virtual_clock;
+    double speed;      /* as trk_status has it; 1 to begin with */
     bool started;      /* only the reader's */
     uint64_t start_ns; /* of the first read: the reader's */
     pthread_mutex_t lock;
