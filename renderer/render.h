@@ -45,8 +45,8 @@ struct rnd_render {
 };
 
 /* path/survey.c: which lights points should ask for, by what really arrives of each around the eye. The
- * threads of the pool, workers of them, share the work; the answer is the same with any number. */
-void rnd_survey_lights(const struct rnd_scene *scene, const float eye[3], struct rnd_pool *pool, int workers,
+ * threads of the pool share the work; the answer is the same with any number. */
+void rnd_survey_lights(const struct rnd_scene *scene, const float eye[3], struct rnd_pool *pool,
                        struct rnd_light_choice *out);
 
 /* path/place.c: draw the positions of paths around aim (drawn: by the render's distribution, else one in

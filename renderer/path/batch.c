@@ -194,7 +194,7 @@ static void choose_evenly(struct rnd_render *render)
 
 static void survey(struct rnd_render *render)
 {
-    rnd_survey_lights(render->scene, render->eye, render->pool, render->workers, &render->choice);
+    rnd_survey_lights(render->scene, render->eye, render->pool, &render->choice);
     render->surveyed = true;
 }
 
@@ -265,7 +265,7 @@ void rnd_render_retrace(struct rnd_render *render, const struct rnd_aim *aim, ui
         whole = whole && render->worker[i].tape;
     }
     rnd_render_batch(render, aim, 0, paths, out_batch);
-    if (whole) rnd_pool_run(render->pool, play, render);
+    if (whole) rnd_pool_run_all(render->pool, play, render);
     *out_seconds = 0.0;
     for (int i = 0; i < render->workers; i++) {
         whole = whole && render->worker[i].played;
@@ -342,15 +342,21 @@ int rnd_render_threads(const struct rnd_render *render)
     return render->workers;
 }
 
-/* One thread's share of the tiles. */
+struct emptying {
+    struct rnd_render *render;
+    _Atomic int next; /* tile that no thread has taken yet */
+};
+
 static void empty(void *context, int worker)
 {
-    struct rnd_render *render = context;
-    const int tiles = render->film.across * render->film.down;
-    const int first = (int)((int64_t)tiles * worker / render->workers);
-    const int end = (int)((int64_t)tiles * (worker + 1) / render->workers);
-    for (int t = first; t < end; t++)
-        rnd_film_empty(&render->film, &render->film.tile[t], render->generation);
+    enum { TURN = 64 }; /* tiles */
+    struct emptying *emptying = context;
+    const struct rnd_film *film = &emptying->render->film;
+    const int tiles = film->across * film->down;
+    (void)worker;
+    for (int t; (t = atomic_fetch_add_explicit(&emptying->next, TURN, memory_order_relaxed)) < tiles;)
+        for (int k = t; k < t + TURN && k < tiles; k++)
+            rnd_film_empty(film, &film->tile[k], emptying->render->generation);
 }
 
 void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene, const float eye[3])
@@ -361,7 +367,8 @@ void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene
     choose_evenly(render);
     render->next_cell = 0;
     render->generation++;
+    struct emptying emptying = {.render = render};
     pthread_mutex_lock(&render->whole);
-    rnd_pool_run(render->pool, empty, render);
+    rnd_pool_run(render->pool, empty, &emptying);
     pthread_mutex_unlock(&render->whole);
 }

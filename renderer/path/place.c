@@ -191,24 +191,25 @@ struct placing {
     struct rnd_render *render;
     const struct rnd_aim *aim;
     uint32_t paths;
+    _Atomic uint32_t next; /* cell that no thread has taken yet */
 };
 
-/* One thread's share of the cells. */
-static void draw_share(void *context, int worker)
+static void draw_turns(void *context, int worker)
 {
-    const struct placing *p = context;
-    const uint64_t cells = (p->paths + CELL - 1) / CELL, workers = (uint64_t)p->render->workers;
-    draw(p->render, p->aim, (uint32_t)(cells * (unsigned)worker / workers),
-         (uint32_t)(cells * ((unsigned)worker + 1u) / workers), p->paths);
+    struct placing *p = context;
+    const uint32_t cells = (p->paths + CELL - 1) / CELL, turn = SOME / CELL;
+    (void)worker;
+    for (uint32_t c; (c = atomic_fetch_add_explicit(&p->next, turn, memory_order_relaxed)) < cells;)
+        draw(p->render, p->aim, c, cells - c < turn ? cells : c + turn, p->paths);
 }
 
 void rnd_place(struct rnd_render *render, const struct rnd_aim *aim, uint32_t paths, bool drawn)
 {
-    struct placing placing = {render, aim, paths};
+    struct placing placing = {.render = render, .aim = aim, .paths = paths};
     if (drawn) {
         render->grid = grid_of(render, aim);
         choose_cells(render, aim, (paths + CELL - 1) / CELL);
-        rnd_pool_run(render->pool, draw_share, &placing);
+        rnd_pool_run(render->pool, draw_turns, &placing);
     } else {
         outline(render, paths);
     }

@@ -7,8 +7,10 @@
 #include <stdlib.h>
 
 /* How often a thread looks for what it waits for before it sleeps: a tenth of a millisecond or so, which is
- * what one thread alone does between two rounds. To wake a sleeper takes as long. */
-enum { LOOKS = 4000 };
+ * what one thread alone does between two rounds. To wake a sleeper takes as long. Whoever looked in vain
+ * looks half as often the next time: where others use the processors, what is waited for mostly takes longer.
+ */
+enum { LOOKS = 4000, LEAST_LOOKS = 60 };
 
 struct thread {
     struct rnd_pool *pool;
@@ -21,25 +23,39 @@ struct rnd_pool {
     struct thread *thread; /* the caller has none: threads - 1 of them */
     pthread_mutex_t mutex; /* held to change what is below, and to sleep */
     pthread_cond_t begin, end;
-    _Atomic unsigned round; /* of work handed out; of the last one, the threads that are at it */
+    _Atomic unsigned round; /* of work handed out; of the last one, the threads that are at it or must come */
     _Atomic int busy;
+    bool open; /* who comes now may still join */
+    bool all;  /* everybody must */
     bool quit;
+    int looks; /* the caller's own */
     void (*work)(void *context, int worker);
     void *context;
 };
+
+static void adapt(int *looks, bool found)
+{
+    const int next = found ? 2 * *looks : *looks / 2;
+    *looks = next > LOOKS ? LOOKS : next < LEAST_LOOKS ? LEAST_LOOKS : next;
+}
 
 static void *run(void *argument)
 {
     const struct thread *self = argument;
     struct rnd_pool *pool = self->pool;
-    for (unsigned seen = 0;; seen++) {
-        for (int i = 0; i < LOOKS && atomic_load(&pool->round) == seen; i++) rnd_pause();
+    int looks = LOOKS;
+    for (unsigned seen = 0;;) {
+        for (int i = 0; i < looks && atomic_load(&pool->round) == seen; i++) rnd_pause();
+        adapt(&looks, atomic_load(&pool->round) != seen);
         pthread_mutex_lock(&pool->mutex);
         while (atomic_load(&pool->round) == seen && !pool->quit)
             pthread_cond_wait(&pool->begin, &pool->mutex);
-        const bool quit = pool->quit;
+        seen = atomic_load(&pool->round);
+        const bool quit = pool->quit, joins = pool->open || pool->all;
+        if (joins && !pool->all) atomic_fetch_add(&pool->busy, 1);
         pthread_mutex_unlock(&pool->mutex);
         if (quit) return NULL;
+        if (!joins) continue;
         pool->work(pool->context, self->index);
         if (atomic_fetch_sub(&pool->busy, 1) != 1) continue;
         pthread_mutex_lock(&pool->mutex);
@@ -53,6 +69,7 @@ struct rnd_pool *rnd_pool_create(int threads)
     struct rnd_pool *pool = calloc(1, sizeof *pool);
     if (!pool) return NULL;
     pool->threads = threads;
+    pool->looks = LOOKS;
     pthread_mutex_init(&pool->mutex, NULL);
     pthread_cond_init(&pool->begin, NULL);
     pthread_cond_init(&pool->end, NULL);
@@ -83,19 +100,36 @@ void rnd_pool_destroy(struct rnd_pool *pool)
     free(pool);
 }
 
-void rnd_pool_run(struct rnd_pool *pool, void (*work)(void *context, int worker), void *context)
+static void hand_out(struct rnd_pool *pool, void (*work)(void *context, int worker), void *context, bool all)
 {
     pthread_mutex_lock(&pool->mutex);
     pool->work = work;
     pool->context = context;
-    atomic_store(&pool->busy, pool->threads - 1);
+    pool->open = true;
+    pool->all = all;
+    atomic_store(&pool->busy, all ? pool->threads - 1 : 0);
     atomic_fetch_add(&pool->round, 1);
     pthread_cond_broadcast(&pool->begin);
     pthread_mutex_unlock(&pool->mutex);
     work(context, 0);
-    for (int i = 0; i < LOOKS && atomic_load(&pool->busy) > 0; i++) rnd_pause();
+    pthread_mutex_lock(&pool->mutex);
+    pool->open = false;
+    pthread_mutex_unlock(&pool->mutex);
+    if (atomic_load(&pool->busy) == 0) return;
+    for (int i = 0; i < pool->looks && atomic_load(&pool->busy) > 0; i++) rnd_pause();
+    adapt(&pool->looks, atomic_load(&pool->busy) == 0);
     if (atomic_load(&pool->busy) == 0) return;
     pthread_mutex_lock(&pool->mutex);
     while (atomic_load(&pool->busy) > 0) pthread_cond_wait(&pool->end, &pool->mutex);
     pthread_mutex_unlock(&pool->mutex);
+}
+
+void rnd_pool_run(struct rnd_pool *pool, void (*work)(void *context, int worker), void *context)
+{
+    hand_out(pool, work, context, false);
+}
+
+void rnd_pool_run_all(struct rnd_pool *pool, void (*work)(void *context, int worker), void *context)
+{
+    hand_out(pool, work, context, true);
 }

@@ -16,8 +16,12 @@ struct rnd_pool;
 struct rnd_pool *rnd_pool_create(int threads);
 void rnd_pool_destroy(struct rnd_pool *pool); /* accepts NULL */
 
-/* Call work(context, i) once for every i in 0..threads-1, each on its own thread, and wait for all; i = 0 is
- * the caller's. What was written before is seen by all, and what they wrote is seen after. */
+/* Call work(context, i) on the caller's thread, i = 0, and on every other one of the pool that comes before
+ * the caller's call has returned; i in 1..threads-1 tells them apart. So work is to take turns from a counter
+ * until none is left. A thread that the system lets run late is then not waited for: it has nothing to do.
+ * Returns when all calls have. What was written before is seen by all, and what they wrote is seen after. */
 void rnd_pool_run(struct rnd_pool *pool, void (*work)(void *context, int worker), void *context);
+/* The same, but every thread makes its call, once. */
+void rnd_pool_run_all(struct rnd_pool *pool, void (*work)(void *context, int worker), void *context);
 
 #endif

@@ -10,6 +10,7 @@
 #include "render.h"
 #include "sampler.h"
 
+#include <stdatomic.h>
 #include <stdlib.h>
 
 enum { PATHS = 4096, BOUNCES = 3, SEED = 0x5eed };
@@ -33,7 +34,7 @@ struct step {
 struct survey {
     const struct rnd_scene *scene;
     const float *eye;
-    int workers;
+    _Atomic uint32_t next;            /* path that no thread has taken yet */
     struct rnd_light_choice choice;   /* by which they are asked */
     struct step step[PATHS][BOUNCES]; /* summed in their order, by one */
 };
@@ -142,13 +143,13 @@ static void walk(const struct survey *survey, uint32_t index, struct step step[B
     }
 }
 
-/* One thread's share of the paths. */
-static void walk_share(void *context, int worker)
+static void walk_turns(void *context, int worker)
 {
+    enum { TURN = 64 }; /* paths */
     struct survey *survey = context;
-    const uint32_t first = (uint32_t)(PATHS * worker / survey->workers),
-                   end = (uint32_t)(PATHS * (worker + 1) / survey->workers);
-    for (uint32_t i = first; i < end; i++) walk(survey, i, survey->step[i]);
+    (void)worker;
+    for (uint32_t i; (i = atomic_fetch_add_explicit(&survey->next, TURN, memory_order_relaxed)) < PATHS;)
+        for (uint32_t k = i; k < i + TURN; k++) walk(survey, k, survey->step[k]);
 }
 
 /* --- what was found --- */
@@ -256,15 +257,15 @@ static void choose_groups(const struct survey *survey, const float *factor[RND_L
     }
 }
 
-void rnd_survey_lights(const struct rnd_scene *scene, const float eye[3], struct rnd_pool *pool, int workers,
+void rnd_survey_lights(const struct rnd_scene *scene, const float eye[3], struct rnd_pool *pool,
                        struct rnd_light_choice *out)
 {
-    struct survey survey = {.scene = scene, .eye = eye, .workers = workers};
+    struct survey survey = {.scene = scene, .eye = eye};
     float lamps[RND_LIGHT_GROUPS][RND_LIGHT_PARTS];
     const float *factor[RND_LIGHT_GROUPS] = {0};
     rnd_light_choose_evenly(&scene->lights, out);
     survey.choice = *out;
-    rnd_pool_run(pool, walk_share, &survey);
+    rnd_pool_run(pool, walk_turns, &survey);
     if (scene->lights.env) choose_regions(&survey, &out->env), factor[RND_LIGHT_ENV] = out->env.factor;
     for (int g = 0; g < RND_LIGHT_GROUPS; g++)
         if (scene->lights.lamps[g].by_power.count > 1)

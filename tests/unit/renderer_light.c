@@ -184,8 +184,8 @@ static void survey(void **state)
     for (int threads = 1; threads <= 3; threads++) {
         struct rnd_pool *pool = rnd_pool_create(threads);
         assert_non_null(pool);
-        rnd_survey_lights(scene, in, pool, threads, &choice[0][threads - 1]);
-        rnd_survey_lights(scene, out, pool, threads, &choice[1][threads - 1]);
+        rnd_survey_lights(scene, in, pool, &choice[0][threads - 1]);
+        rnd_survey_lights(scene, out, pool, &choice[1][threads - 1]);
         rnd_pool_destroy(pool);
     }
     for (int place = 0; place < 2; place++) {
@@ -216,7 +216,7 @@ static void window(void **state)
     for (int threads = 1; threads <= 3; threads++) {
         struct rnd_pool *pool = rnd_pool_create(threads);
         assert_non_null(pool);
-        rnd_survey_lights(scene, (float[]){0, 1, 0}, pool, threads, &choice[threads - 1]);
+        rnd_survey_lights(scene, (float[]){0, 1, 0}, pool, &choice[threads - 1]);
         rnd_pool_destroy(pool);
         assert_memory_equal(&choice[0].env, &choice[threads - 1].env, sizeof choice[0].env);
     }
@@ -239,7 +239,7 @@ static double below(const char *path, const float eye[3], int group, float *out_
     for (int threads = 1; threads <= 2; threads++) {
         struct rnd_pool *pool = rnd_pool_create(threads);
         assert_non_null(pool);
-        rnd_survey_lights(scene, eye, pool, threads, &choice[threads - 1]);
+        rnd_survey_lights(scene, eye, pool, &choice[threads - 1]);
         rnd_pool_destroy(pool);
     }
     const struct rnd_alias *alias = choice[0].lamps[group];

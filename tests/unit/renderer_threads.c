@@ -150,6 +150,38 @@ static void writer_put_aside(void **state)
     rnd_render_destroy(render);
 }
 
+/* --- the pool --- */
+
+enum { POOL = 4, TURNS = 100 };
+
+struct turns {
+    _Atomic int next, done[TURNS], calls[POOL];
+};
+
+static void take_turns(void *context, int worker)
+{
+    struct turns *turns = context;
+    atomic_fetch_add(&turns->calls[worker], 1);
+    for (int i; (i = atomic_fetch_add(&turns->next, 1)) < TURNS;) atomic_fetch_add(&turns->done[i], 1);
+}
+
+/* Every turn is taken once, by whoever comes; no thread calls twice, and where all must, each does. */
+static void pool_turns(void **state)
+{
+    (void)state;
+    struct rnd_pool *pool = rnd_pool_create(POOL);
+    assert_non_null(pool);
+    for (int round = 0; round < 2000; round++) {
+        struct turns turns = {0};
+        const bool all = round % 3 == 0;
+        (all ? rnd_pool_run_all : rnd_pool_run)(pool, take_turns, &turns);
+        for (int i = 0; i < TURNS; i++) assert_int_equal(turns.done[i], 1);
+        assert_int_equal(turns.calls[0], 1);
+        for (int i = 1; i < POOL; i++) assert_true(turns.calls[i] == 1 || (turns.calls[i] == 0 && !all));
+    }
+    rnd_pool_destroy(pool);
+}
+
 /* Memory of this process that is there, bytes. */
 static double resident(void)
 {
@@ -181,8 +213,11 @@ static void outline_memory(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(same_with_any_threads), cmocka_unit_test(readers),
-                                       cmocka_unit_test(published), cmocka_unit_test(writer_put_aside),
-                                       cmocka_unit_test(outline_memory)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(same_with_any_threads),
+                                       cmocka_unit_test(readers),
+                                       cmocka_unit_test(published),
+                                       cmocka_unit_test(writer_put_aside),
+                                       cmocka_unit_test(outline_memory),
+                                       cmocka_unit_test(pool_turns)};
     return cmocka_run_group_tests_name("renderer_threads", tests, setup, teardown);
 }
