@@ -178,6 +178,7 @@ static bool start(struct daemon *daemon)
         .tiles = (uint32_t)(level->columns * level->rows),
         .until = daemon->options.until,
         .virtual_clock = daemon->options.virtual_clock,
+        .threads = daemon->options.render.threads,
         .batch_seconds = daemon->options.gaze || daemon->listeners ? STEERED_SECONDS : UNSTEERED_SECONDS,
         .wake = dmn_loop_wake,
     };

@@ -1,4 +1,5 @@
 /* The thread that adds batch after batch of paths to the film. */
+#include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -13,6 +14,7 @@ enum {
     VIRTUAL_PATHS = 4096,
     JUDGE_EVERY = 32, /* batches between two looks at whether all tiles have converged */
 };
+static const double SLOWER_TO_BEAR = 1.5, MOST_LONGER = 2.5, MOST_SLOWER = 10, LEAST_OF_BATCH = 0.25;
 static const uint64_t VIRTUAL_STEP_NS = 5000000;
 static const uint64_t LATELY_NS = 500000000;
 
@@ -111,16 +113,30 @@ static bool book(struct dmn_painter *painter, const struct rnd_batch *batch, uin
     return work.share >= 1;
 }
 
-/* Paths of the next batch: as many as take about the time aimed at, and no more than are still wanted. */
+/* Time of a processor that each thread should have for a batch, where the last one took so many times as long
+ * as its threads had. It is longer where they wait for others, since at its end every batch waits for the
+ * last of them; but whoever moves their eyes waits for all that passes, so there is an end to that. */
+static double aimed_seconds(const struct dmn_painter_options *options, double slower)
+{
+    double longer = fmin(fmax(slower / SLOWER_TO_BEAR, 1), MOST_LONGER);
+
+    return options->batch_seconds * fmax(fmin(longer, MOST_SLOWER / slower), LEAST_OF_BATCH);
+}
+
+/* Paths of the next batch: as many as take about the time aimed at, and no more than are still wanted. The
+ * time is what a thread has of the processor: by what passes, a batch beside other work would be ever
+ * shorter, until most of it was waiting for the last thread to be let run. */
 static uint32_t next_paths(const struct dmn_painter *painter, uint32_t paths, const struct rnd_batch *last)
 {
     const struct dmn_painter_options *options = &painter->options;
 
     if (options->virtual_clock)
         paths = VIRTUAL_PATHS;
-    else if (last->seconds > 0 && last->paths > 0) {
-        /* one that was cut short tells by what it did */
-        double change = options->batch_seconds / last->seconds * (double)last->paths / paths;
+    else if (last->processor_seconds > 0 && last->paths > 0) {
+        double seconds = last->processor_seconds / options->threads;
+        /* One that was cut short tells by what it did. */
+        double change =
+            aimed_seconds(options, last->seconds / seconds) / seconds * (double)last->paths / paths;
 
         /* Half of the way, at most doubled: one slow batch, for whatever reason, must not set the pace. */
         change = change > 2 ? 2 : change < 0.5 ? 0.5 : change;
@@ -198,7 +214,7 @@ static void *paint(void *argument)
         }
         /* what has no textures yet is never the picture that was asked for */
         done = book(painter, &batch, options->virtual_clock ? virtual_ns : dmn_now_ns()) && !painter->reading;
-        if (first) batch.seconds = 0; /* says nothing about the batches to come */
+        if (first) batch.processor_seconds = 0; /* says nothing about the batches to come */
     }
     pthread_mutex_lock(&painter->lock);
     painter->work.done = true;

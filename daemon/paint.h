@@ -16,7 +16,8 @@ struct dmn_painter_options {
     uint32_t tiles;          /* of its finest level */
     struct dmn_until until;
     bool virtual_clock;
-    double batch_seconds;        /* aimed at with the real clock */
+    int threads;                 /* of the render */
+    double batch_seconds;        /* aimed at with the real clock, where nothing else computes */
     void (*wake)(void *context); /* called after every batch, from the painter's thread */
     void *context;
 };

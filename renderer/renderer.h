@@ -165,6 +165,7 @@ struct rnd_batch {
                                          their radiance was not finite */
     double seconds;                   /* wall time of the batch */
     double place_seconds;             /* of these, drawing and ordering positions */
+    double processor_seconds;         /* that all threads together had of the processors, to trace it */
     /* Time of all threads together: within Embree; surfaces, their textures and what they emit; choosing
      * lights; BSDFs; adding to the film. */
     double rays_seconds, surface_seconds, light_seconds, scatter_seconds, film_seconds;

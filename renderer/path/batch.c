@@ -26,7 +26,7 @@ enum {
 struct rnd_worker {
     struct rnd_tracer *tracer;
     struct rnd_wave_io io;
-    uint64_t rays, traced, not_finite, film_ns;
+    uint64_t rays, traced, not_finite, film_ns, processor_ns;
     struct rnd_tape *tape;
     bool played;
     double play_seconds;
@@ -40,11 +40,16 @@ struct work {
     _Atomic uint32_t next;             /* turn that no thread has taken yet */
 };
 
-static uint64_t now_ns(void)
+static uint64_t clock_ns(clockid_t clock)
 {
     struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
+    clock_gettime(clock, &t);
     return (uint64_t)t.tv_sec * 1000000000 + (uint64_t)t.tv_nsec;
+}
+
+static uint64_t now_ns(void)
+{
+    return clock_ns(CLOCK_MONOTONIC);
 }
 
 /* --- waves --- */
@@ -120,6 +125,7 @@ static void trace(void *context, int index)
 {
     struct work *work = context;
     struct rnd_render *render = work->render;
+    const uint64_t start = clock_ns(CLOCK_THREAD_CPUTIME_ID);
     for (uint32_t part, parts;;) {
         parts = parts_of(work, atomic_fetch_add_explicit(&work->next, 1, memory_order_relaxed), &part);
         if (parts == 0) break;
@@ -135,6 +141,7 @@ static void trace(void *context, int index)
             finish_part(work, &render->worker[index], from,
                         from + work->part < end ? from + work->part : end);
     }
+    render->worker[index].processor_ns = clock_ns(CLOCK_THREAD_CPUTIME_ID) - start;
 }
 
 static uint32_t divisor(uint32_t a, uint32_t b)
@@ -207,7 +214,7 @@ static void run(struct work *work, bool drawn, struct rnd_batch *out_batch)
     if (work->paths == 0 || !reserve(render, work->paths)) return; /* no memory: a batch without a path */
     for (int i = 0; i < render->workers; i++) {
         struct rnd_worker *worker = &render->worker[i];
-        worker->rays = worker->traced = worker->not_finite = worker->film_ns = 0;
+        worker->rays = worker->traced = worker->not_finite = worker->film_ns = worker->processor_ns = 0;
         rnd_tracer_reset(worker->tracer);
     }
     rnd_place(render, work->aim, work->paths, drawn);
@@ -220,6 +227,7 @@ static void run(struct work *work, bool drawn, struct rnd_batch *out_batch)
         out_batch->paths += worker->traced;
         out_batch->rays += worker->rays;
         out_batch->not_finite += worker->not_finite;
+        out_batch->processor_seconds += 1e-9 * (double)worker->processor_ns;
         out_batch->film_seconds += 1e-9 * (double)worker->film_ns;
         rnd_tracer_stages(worker->tracer, out_batch);
     }
