@@ -130,13 +130,15 @@ struct dmn_pyramid {
     size_t count;            /* tiles of all levels */
     struct dmn_state *state; /* count of them */
     float (*centre)[3];      /* directions of their middles */
+    bool *stale;             /* those whose sums dmn_pyramid_update() has to make anew */
 };
 
 /* levels as rnd_render_levels() gives it. False if memory is short. */
 bool dmn_pyramid_init(struct dmn_pyramid *pyramid, int width, int height, int levels);
 void dmn_pyramid_finish(struct dmn_pyramid *pyramid);
-/* Take the states of level 0 (settled: one for each of them), and sum them up level by level. */
-void dmn_pyramid_update(struct dmn_pyramid *pyramid, const struct rnd_tile *tiles, const bool *settled);
+/* Set the state of a tile of level 0; afterwards, of those that were set, sum them up level by level. */
+void dmn_pyramid_set(struct dmn_pyramid *pyramid, size_t index, const struct dmn_state *state);
+void dmn_pyramid_update(struct dmn_pyramid *pyramid);
 
 struct dmn_place {
     int level, x, y;

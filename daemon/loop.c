@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <libwebsockets.h>
@@ -15,9 +16,11 @@ enum {
     BURST = 8,                                     /* frames to one client before others have their turn */
 };
 
-/* How often the states of all tiles are looked at: not more often than this, and not for more than a tenth of
- * the loop's time, which matters for the largest films. */
-static const uint64_t LOOK_NS = 3000000;
+/* How often the states of tiles are looked at: not more often than this, and for a tenth of the loop's time
+ * at most, which matters for the largest films; but no pause is longer than the other. What a look costs is
+ * what it has of the processor: on a busy machine it may take long, and that is no reason to look less often.
+ */
+static const uint64_t LOOK_NS = 3000000, LONGEST_PAUSE_NS = 100000000;
 enum { LOOK_SHARE = 10 };
 
 static const lws_usec_t TICK_US = 250000;
@@ -40,12 +43,23 @@ struct dmn_loop {
     bool look_waits;
     uint64_t looked_ns, look_cost_ns, painted; /* batches painted at the last look */
     struct rnd_tile *tiles;
-    bool *settled;
+    uint32_t *changed;   /* room for the places of all of them */
+    float gaze[3];       /* that they are settled for */
+    uint64_t generation; /* of the picture that they are of, from 1; 0: before the first look */
     bool stop;
 };
 
 /* --- the state of the picture
  * -------------------------------------------------------------------------------- */
+
+/* What this thread has had of the processor. */
+static uint64_t processor_ns(void)
+{
+    struct timespec now;
+
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return (uint64_t)now.tv_sec * 1000000000 + (uint64_t)now.tv_nsec;
+}
 
 static void ask_to_write(struct dmn_loop *loop)
 {
@@ -53,17 +67,38 @@ static void ask_to_write(struct dmn_loop *loop)
         if (dmn_session_wants(peer->session)) lws_callback_on_writable(peer->wsi);
 }
 
-/* A picture that is just being emptied is empty. Returns its generation, from 1. */
-static uint64_t drop_old(struct rnd_tile *tiles, size_t count)
+/* A picture that is just being emptied is empty: of tiles that are still what they were before, too. True if
+ * a new one has begun. */
+static bool drop_old(struct dmn_loop *loop, const uint32_t *changed, uint32_t changes, size_t count)
 {
-    uint32_t newest = 0;
+    uint64_t newest = loop->generation;
 
+    for (uint32_t i = 0; i < changes; i++)
+        if (loop->tiles[changed[i]].generation + 1ull > newest)
+            newest = loop->tiles[changed[i]].generation + 1ull;
+    if (newest == loop->generation) return false;
+    loop->generation = newest;
     for (size_t i = 0; i < count; i++)
-        if (tiles[i].generation > newest) newest = tiles[i].generation;
-    for (size_t i = 0; i < count; i++)
-        if (tiles[i].generation != newest)
-            tiles[i] = (struct rnd_tile){.unvisited = RND_TILE * RND_TILE, .error = INFINITY};
-    return (uint64_t)newest + 1;
+        if (loop->tiles[i].generation + 1ull != newest)
+            loop->tiles[i] = (struct rnd_tile){.unvisited = RND_TILE * RND_TILE, .error = INFINITY};
+    return true;
+}
+
+/* Take up what has become of a tile. */
+static void take_tile(struct dmn_loop *loop, size_t i)
+{
+    struct dmn_common *common = loop->common;
+    const struct rnd_tile *tile = &loop->tiles[i];
+    int columns = common->pyramid.level[0].columns;
+    struct dmn_state state = {tile->samples, tile->converged,
+                              rnd_tile_settled(common->render, tile, (int)i % columns, (int)i / columns,
+                                               loop->gaze)},
+                     before = common->pyramid.state[i];
+
+    common->visited += (state.samples > DMN_OUTLINE_PATHS) - (before.samples > DMN_OUTLINE_PATHS);
+    common->converged += state.converged - before.converged;
+    common->settled += state.settled - before.settled;
+    dmn_pyramid_set(&common->pyramid, i, &state);
 }
 
 static void look(struct dmn_loop *loop)
@@ -71,26 +106,25 @@ static void look(struct dmn_loop *loop)
     struct dmn_common *common = loop->common;
     const struct dmn_level *level = &common->pyramid.level[0];
     size_t count = (size_t)level->columns * level->rows;
-    struct rnd_aim aim;
+    uint64_t began_ns = processor_ns();
+    uint32_t changes;
+    struct dmn_gaze_state gaze;
 
     loop->looked_ns = dmn_now_ns();
-    dmn_gaze_aim(common->gaze, &aim);
-    memcpy(common->direction, aim.gaze, sizeof(common->direction));
-    rnd_render_tiles(common->render, loop->tiles);
-    common->generation = drop_old(loop->tiles, count);
-    common->visited = common->converged = common->settled = 0;
-    for (size_t i = 0; i < count; i++) {
-        const struct rnd_tile *tile = &loop->tiles[i];
-
-        loop->settled[i] = rnd_tile_settled(common->render, tile, (int)(i % (size_t)level->columns),
-                                            (int)(i / (size_t)level->columns), aim.gaze);
-        common->visited += tile->samples > DMN_OUTLINE_PATHS;
-        common->converged += tile->converged;
-        common->settled += loop->settled[i];
+    dmn_gaze_state(common->gaze, &gaze);
+    memcpy(common->direction, gaze.direction, sizeof(common->direction));
+    changes = rnd_render_published(common->render, loop->tiles, loop->changed);
+    if (drop_old(loop, loop->changed, changes, count) ||
+        memcmp(loop->gaze, gaze.direction, sizeof(loop->gaze))) {
+        memcpy(loop->gaze, gaze.direction, sizeof(loop->gaze));
+        for (size_t i = 0; i < count; i++) take_tile(loop, i);
+    } else {
+        for (uint32_t i = 0; i < changes; i++) take_tile(loop, loop->changed[i]);
     }
-    dmn_pyramid_update(&common->pyramid, loop->tiles, loop->settled);
+    common->generation = loop->generation;
+    dmn_pyramid_update(&common->pyramid);
     common->version++;
-    loop->look_cost_ns = dmn_now_ns() - loop->looked_ns;
+    loop->look_cost_ns = processor_ns() - began_ns;
 }
 
 static void on_look(lws_sorted_usec_list_t *sul)
@@ -108,6 +142,7 @@ static void look_soon(struct dmn_loop *loop)
     uint64_t pause_ns = LOOK_SHARE * loop->look_cost_ns, passed_ns = dmn_now_ns() - loop->looked_ns;
 
     if (pause_ns < LOOK_NS) pause_ns = LOOK_NS;
+    if (pause_ns > LONGEST_PAUSE_NS) pause_ns = LONGEST_PAUSE_NS;
     if (loop->look_waits) return;
     if (passed_ns >= pause_ns) {
         look(loop);
@@ -343,8 +378,8 @@ struct dmn_loop *dmn_loop_create(const struct dmn_loop_options *options, char ou
     loop->options = *options;
     loop->common = options->common;
     loop->tiles = calloc(count, sizeof(*loop->tiles));
-    loop->settled = calloc(count, sizeof(*loop->settled));
-    if (!loop->tiles || !loop->settled || !open_context(loop)) {
+    loop->changed = calloc(count, sizeof(*loop->changed));
+    if (!loop->tiles || !loop->changed || !open_context(loop)) {
         dmn_loop_destroy(loop);
         return NULL;
     }
@@ -360,7 +395,7 @@ void dmn_loop_destroy(struct dmn_loop *loop)
         lws_context_destroy(loop->context);
     }
     free(loop->tiles);
-    free(loop->settled);
+    free(loop->changed);
     free(loop);
 }
 
@@ -376,6 +411,7 @@ void dmn_loop_wake(void *loop)
 
 void dmn_loop_run(struct dmn_loop *loop)
 {
+    trk_be_prompt(); /* before the threads that trace paths, which would always go on */
     lws_sul_schedule(loop->context, 0, &loop->tick, on_tick, TICK_US);
     while (!loop->stop && lws_service(loop->context, 0) >= 0) continue;
     lws_sul_cancel(&loop->tick);

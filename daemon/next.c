@@ -55,7 +55,8 @@ bool dmn_pyramid_init(struct dmn_pyramid *pyramid, int width, int height, int le
     }
     pyramid->state = calloc(pyramid->count, sizeof(*pyramid->state));
     pyramid->centre = calloc(pyramid->count, sizeof(*pyramid->centre));
-    if (!pyramid->state || !pyramid->centre) {
+    pyramid->stale = calloc(pyramid->count, sizeof(*pyramid->stale));
+    if (!pyramid->state || !pyramid->centre || !pyramid->stale) {
         dmn_pyramid_finish(pyramid);
         return false;
     }
@@ -76,6 +77,7 @@ void dmn_pyramid_finish(struct dmn_pyramid *pyramid)
 {
     free(pyramid->state);
     free(pyramid->centre);
+    free(pyramid->stale);
     *pyramid = (struct dmn_pyramid){0};
 }
 
@@ -92,30 +94,56 @@ static bool child_of(const struct dmn_pyramid *pyramid, int level, int *x, int *
     return *x < pyramid->level[level - 1].columns && *y < pyramid->level[level - 1].rows;
 }
 
-void dmn_pyramid_update(struct dmn_pyramid *pyramid, const struct rnd_tile *tiles, const bool *settled)
+static bool same_state(const struct dmn_state *a, const struct dmn_state *b)
 {
-    size_t count = (size_t)pyramid->level[0].columns * pyramid->level[0].rows;
+    return a->samples == b->samples && a->converged == b->converged && a->settled == b->settled;
+}
 
-    for (size_t i = 0; i < count; i++)
-        pyramid->state[i] = (struct dmn_state){tiles[i].samples, tiles[i].converged, settled[i]};
-    for (int l = 1; l < pyramid->levels; l++) {
-        struct dmn_state *out = &pyramid->state[pyramid->level[l].first];
+/* The sum of the tiles that it covers one level finer. */
+static struct dmn_state sum_of(const struct dmn_pyramid *pyramid, int level, int x, int y)
+{
+    struct dmn_state sum = {0, true, true};
 
-        for (int y = 0; y < pyramid->level[l].rows; y++)
-            for (int x = 0; x < pyramid->level[l].columns; x++, out++) {
-                *out = (struct dmn_state){0, true, true};
-                for (int child = 0; child < 4; child++) {
-                    const struct dmn_state *in;
-                    int column = x, row = y;
+    for (int child = 0; child < 4; child++) {
+        const struct dmn_state *in;
+        int column = x, row = y;
 
-                    if (!child_of(pyramid, l, &column, &row, child)) continue;
-                    in = &pyramid->state[index_of(pyramid, l - 1, column, row)];
-                    out->samples += in->samples;
-                    out->converged &= in->converged;
-                    out->settled &= in->settled;
-                }
-            }
+        if (!child_of(pyramid, level, &column, &row, child)) continue;
+        in = &pyramid->state[index_of(pyramid, level - 1, column, row)];
+        sum.samples += in->samples;
+        sum.converged &= in->converged;
+        sum.settled &= in->settled;
     }
+    return sum;
+}
+
+/* The tile that covers (x, y) one level coarser has to be summed up anew. */
+static void mark_parent(struct dmn_pyramid *pyramid, int level, int x, int y)
+{
+    if (level + 1 < pyramid->levels) pyramid->stale[index_of(pyramid, level + 1, x / 2, y / 2)] = true;
+}
+
+void dmn_pyramid_set(struct dmn_pyramid *pyramid, size_t index, const struct dmn_state *state)
+{
+    int columns = pyramid->level[0].columns;
+
+    if (same_state(&pyramid->state[index], state)) return;
+    pyramid->state[index] = *state;
+    mark_parent(pyramid, 0, (int)index % columns, (int)index / columns);
+}
+
+void dmn_pyramid_update(struct dmn_pyramid *pyramid)
+{
+    for (int l = 1; l < pyramid->levels; l++)
+        for (int y = 0; y < pyramid->level[l].rows; y++)
+            for (int x = 0; x < pyramid->level[l].columns; x++) {
+                size_t index = index_of(pyramid, l, x, y);
+
+                if (!pyramid->stale[index]) continue;
+                pyramid->stale[index] = false;
+                pyramid->state[index] = sum_of(pyramid, l, x, y);
+                mark_parent(pyramid, l, x, y);
+            }
 }
 
 /* --- the best few

@@ -59,9 +59,22 @@ static void paint(struct world *world, uint64_t samples)
     for (size_t i = 0; i < count; i++) world->tiles[i].samples = samples;
 }
 
+static void update(struct world *world)
+{
+    size_t count = (size_t)world->pyramid.level[0].columns * world->pyramid.level[0].rows;
+
+    for (size_t i = 0; i < count; i++) {
+        const struct rnd_tile *tile = &world->tiles[i];
+
+        dmn_pyramid_set(&world->pyramid, i,
+                        &(struct dmn_state){tile->samples, tile->converged, world->settled[i]});
+    }
+    dmn_pyramid_update(&world->pyramid);
+}
+
 static void choose(struct world *world, const float gaze[3], size_t limit)
 {
-    dmn_pyramid_update(&world->pyramid, world->tiles, world->settled);
+    update(world);
     world->count = dmn_next(&world->pyramid, world->sent, gaze, limit, world->places);
     assert_true(world->count <= limit);
 }
@@ -250,6 +263,47 @@ static void a_new_tile_goes_before_a_known_one(void **state)
     assert_int_equal(world->places[1].index, known);
 }
 
+/* Sums that are brought up to date tile by tile are those of all tiles. */
+static void sums_of_what_changed(void **state)
+{
+    struct world *world = make(1280, 640, 4);
+    struct dmn_pyramid *pyramid = &world->pyramid;
+    int columns = pyramid->level[0].columns, rows = pyramid->level[0].rows;
+
+    (void)state;
+    srand(7);
+    for (int turn = 0; turn < 50; turn++) {
+        for (int i = 0; i < 5; i++) {
+            size_t at = (size_t)(rand() % (columns * rows));
+
+            world->tiles[at].samples = (uint64_t)(rand() % 3) * ENOUGH;
+            world->tiles[at].converged = rand() % 4 > 0;
+            world->settled[at] = rand() % 4 > 0;
+        }
+        update(world);
+        for (int l = 0; l < 4; l++)
+            for (int y = 0; y < pyramid->level[l].rows; y++)
+                for (int x = 0; x < pyramid->level[l].columns; x++) {
+                    const struct dmn_state *sum =
+                        &pyramid
+                             ->state[pyramid->level[l].first + (size_t)(y * pyramid->level[l].columns + x)];
+                    struct dmn_state want = {0, true, true};
+
+                    for (int r = y << l; r < (y + 1) << l && r < rows; r++)
+                        for (int c = x << l; c < (x + 1) << l && c < columns; c++) {
+                            want.samples += world->tiles[r * columns + c].samples;
+                            want.converged &= world->tiles[r * columns + c].converged;
+                            want.settled &= world->settled[r * columns + c];
+                        }
+                    if (l > 0 && want.samples == 0 && sum->samples == 0) continue; /* may not have been set */
+                    assert_int_equal(sum->samples, want.samples);
+                    assert_int_equal(sum->converged, want.converged);
+                    assert_int_equal(sum->settled, want.settled);
+                }
+    }
+    teardown((void **)&world);
+}
+
 static void sizes_that_are_no_power_of_two(void **state)
 {
     struct world *world = make(640, 320, 3);
@@ -259,7 +313,7 @@ static void sizes_that_are_no_power_of_two(void **state)
     assert_int_equal(world->pyramid.level[2].columns, 3);
     assert_int_equal(world->pyramid.level[2].rows, 2);
     paint(world, ENOUGH);
-    dmn_pyramid_update(&world->pyramid, world->tiles, world->settled);
+    update(world);
     /* The last row of level 1 has two tiles of the film under it, not four. */
     assert_int_equal(world->pyramid.state[world->pyramid.level[1].first + 2 * 5].samples, 2 * ENOUGH);
     send_until_done(world, FORWARD);
@@ -304,6 +358,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(growth_sends_again_and_nothing_else_does, setup, teardown),
         cmocka_unit_test_setup_teardown(a_settled_tile_is_sent_once, setup, teardown),
         cmocka_unit_test_setup_teardown(a_new_tile_goes_before_a_known_one, setup, teardown),
+        cmocka_unit_test(sums_of_what_changed),
         cmocka_unit_test(sizes_that_are_no_power_of_two),
         cmocka_unit_test_setup_teardown(every_film_gets_there_from_any_state, setup, teardown),
     };
