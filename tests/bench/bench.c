@@ -15,6 +15,7 @@ static const struct {
     const char *name, *help;
     int (*run)(int count, char **arguments);
 } measurement[] = {
+    {"busy", "fovead beside busy loops: first tile, gaps, latencies, paths", bench_busy},
     {"converge", "time until the gaze disc reaches a given error, for every distribution", bench_converge},
     {"features", "what each feature of a scene costs, and that it costs nothing where it is absent",
      bench_features},

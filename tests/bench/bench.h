@@ -9,6 +9,7 @@
 #include "renderer.h"
 
 /* arguments as main's, from the measurement's name on; returns the exit code. */
+int bench_busy(int count, char **arguments);
 int bench_converge(int count, char **arguments);
 int bench_features(int count, char **arguments);
 int bench_foveation(int count, char **arguments);

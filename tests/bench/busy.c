@@ -1,0 +1,355 @@
+/* The daemon on a machine that does other work: how soon and how evenly tiles come, how long the gaze takes
+ * to them, and whether paths get their share of the processors. The programs are the real ones, over a Unix
+ * socket: fovead, clients that decode what they get, and busy loops that take all they can. */
+#include "bench.h"
+#include "daemon.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { MOST_LOOPS = 64, MOST_CLIENTS = 16, MOST_WORDS = 32 };
+
+struct setup {
+    struct rnd_scene_options scene;
+    const char *fovead, *gaze;
+    int width, loops, clients;
+    double seconds;
+    bool json;
+};
+
+/* Where work and processors are at a moment, s and paths. */
+struct mark {
+    double time, paths, daemon, loops;
+};
+
+/* A client, and what it saw. */
+struct client {
+    struct run *run;
+    pthread_t thread;
+    bool failed;
+    uint64_t first_ns, last_ns,
+        gap_ns; /* arrival of the first and of the last tile; the longest wait for one */
+    uint64_t tiles, sequence;
+    struct mark from, to; /* of the later half */
+    double before;        /* paths of the generations that are over */
+    uint64_t paths, generation;
+};
+
+/* The daemon, and the busy loops beside it. */
+struct run {
+    const struct setup *setup;
+    struct pro_address address;
+    pid_t daemon, loop[MOST_LOOPS];
+    int loops;
+    uint64_t socket_ns;      /* when the socket was there */
+    _Atomic int served;      /* clients that have had a tile */
+    _Atomic uint64_t end_ns; /* 0 until all have */
+    struct client client[MOST_CLIENTS];
+    pthread_mutex_t lock; /* of the rest */
+    struct dmn_histogram to_batch, to_tile;
+};
+
+static const char help[] = "usage: fovea-bench busy [OPTION...]\n"
+                           "fovead alone and then beside busy loops: the first tile, the longest wait for "
+                           "one, gaze to batch and to tile, "
+                           "and\nwhat of their share of the processors paths get.\n" BENCH_SCENE_HELP
+                           "  --loops N          busy loops; default 6\n"
+                           "  --clients N        that are sent tiles; default 1\n"
+                           "  --gaze SOURCE      default: synthetic:7\n"
+                           "  --width N          of the film, pixels; default 4096\n"
+                           "  --seconds S        of each measurement, from the first tile on; default 10\n"
+                           "  --fovead FILE      default: fovead beside this program\n"
+                           "  --json             one JSON object instead of the table\n";
+
+static bool parse(int count, char **arguments, struct setup *out)
+{
+    const struct bench_option option[] = {
+        {"loops", BENCH_INT, &out->loops, 1, 1, MOST_LOOPS},
+        {"clients", BENCH_INT, &out->clients, 1, 1, MOST_CLIENTS},
+        {"gaze", BENCH_TEXT, &out->gaze, 1, 0, 0},
+        {"width", BENCH_INT, &out->width, 1, 128, 32768},
+        {"seconds", BENCH_DOUBLE, &out->seconds, 1, 0.5, 3600},
+        {"fovead", BENCH_TEXT, &out->fovead, 1, 0, 0},
+        {0},
+    };
+    *out = (struct setup){.gaze = "synthetic:7", .width = 4096, .loops = 6, .clients = 1, .seconds = 10};
+    return bench_options(count, arguments, help, option, &out->scene, &out->json);
+}
+
+/* --- processes --- */
+
+/* Processor time of a process, s. */
+static double processor(pid_t process)
+{
+    clockid_t clock;
+    return clock_getcpuclockid(process, &clock) == 0 ? bench_seconds(clock) : 0.0;
+}
+
+/* fork(); the child ends with this program. */
+static pid_t spawn(void)
+{
+    const pid_t child = fork();
+    if (child == 0) prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (child < 0) perror("fovea-bench");
+    return child;
+}
+
+static void end(pid_t process, int how)
+{
+    if (process <= 0) return;
+    kill(process, how);
+    waitpid(process, NULL, 0);
+}
+
+static bool start_loops(struct run *run, int count)
+{
+    for (; run->loops < count; run->loops++) {
+        const pid_t child = run->loop[run->loops] = spawn();
+        if (child < 0) return false;
+        for (volatile unsigned turn = 0; child == 0;) turn = turn + 1;
+    }
+    return true;
+}
+
+/* fovead's command line; numbers are printed to text. */
+static void words_of(const struct setup *setup, const char *fovead, const char *socket, char text[3][128],
+                     const char *word[MOST_WORDS])
+{
+    const struct rnd_scene_options *scene = &setup->scene;
+    int n = 0;
+    word[n++] = fovead;
+    word[n++] = "--scene";
+    word[n++] = scene->path;
+    if (scene->env_path) word[n++] = "--env", word[n++] = scene->env_path;
+    snprintf(text[0], sizeof *text, "%.9g,%.9g,%.9g,%.9g", (double)scene->sun[0], (double)scene->sun[1],
+             (double)scene->sun[2], (double)scene->sun[3]);
+    if (scene->has_sun) word[n++] = "--sun", word[n++] = text[0];
+    snprintf(text[1], sizeof *text, "%.9g,%.9g,%.9g", (double)scene->eye[0], (double)scene->eye[1],
+             (double)scene->eye[2]);
+    if (scene->has_eye) word[n++] = "--eye", word[n++] = text[1];
+    snprintf(text[2], sizeof *text, "%d", setup->width);
+    word[n++] = "--size", word[n++] = text[2];
+    word[n++] = "--gaze", word[n++] = setup->gaze;
+    word[n++] = "--listen", word[n++] = socket;
+    word[n] = NULL;
+}
+
+/* Start fovead and wait for its socket. */
+static bool start_daemon(struct run *run)
+{
+    char beside[4096], text[3][128], socket[sizeof run->address.path + 8];
+    const char *fovead = run->setup->fovead, *word[MOST_WORDS];
+    const ssize_t length = readlink("/proc/self/exe", beside, sizeof beside - 16);
+    if (!fovead && length > 0) {
+        beside[length] = '\0';
+        strcpy(strrchr(beside, '/'), "/fovead");
+        fovead = beside;
+    }
+    pro_address_print(&run->address, socket, sizeof socket);
+    words_of(run->setup, fovead ? fovead : "fovead", socket, text, word);
+    run->daemon = spawn();
+    if (run->daemon == 0) {
+        if (freopen("/dev/null", "w", stdout)) execvp(word[0], (char **)word);
+        perror(word[0]);
+        _exit(127);
+    }
+    while (run->daemon > 0 && access(run->address.path, F_OK) != 0) {
+        if (waitpid(run->daemon, NULL, WNOHANG) == run->daemon) {
+            run->daemon = -1;
+            fprintf(stderr, "fovea-bench: %s has ended without a socket\n", word[0]);
+        }
+        usleep(1000);
+    }
+    run->socket_ns = dmn_now_ns();
+    return run->daemon > 0;
+}
+
+/* --- clients --- */
+
+static void take_tile(struct client *client, const Fovea__Tile *tile, uint64_t now_ns)
+{
+    struct run *run = client->run;
+    if (client->tiles++ == 0) {
+        client->first_ns = client->last_ns = now_ns;
+        if (atomic_fetch_add(&run->served, 1) + 1 == run->setup->clients)
+            atomic_store(&run->end_ns, now_ns + (uint64_t)(1e9 * run->setup->seconds));
+    }
+    if (now_ns - client->last_ns > client->gap_ns) client->gap_ns = now_ns - client->last_ns;
+    client->last_ns = now_ns;
+    /* Later tiles of the same gaze would tell how long the eye has rested. */
+    if (!tile->gaze_ns || tile->gaze_sequence <= client->sequence) return;
+    client->sequence = tile->gaze_sequence;
+    pthread_mutex_lock(&run->lock);
+    dmn_histogram_add(&run->to_batch, 1e-9 * (double)(int64_t)(tile->aimed_ns - tile->gaze_ns));
+    dmn_histogram_add(&run->to_tile, 1e-9 * (double)(int64_t)(now_ns - tile->gaze_ns));
+    pthread_mutex_unlock(&run->lock);
+}
+
+/* Paths and processors of the later half are compared: at first there is much that is done once. */
+static void take_stats(struct client *client, const Fovea__Stats *stats)
+{
+    const struct run *run = client->run;
+    const uint64_t end_ns = atomic_load(&run->end_ns);
+    if (stats->generation != client->generation) client->before += (double)client->paths;
+    client->generation = stats->generation;
+    client->paths = stats->samples;
+    if (!end_ns || stats->time_ns < end_ns - (uint64_t)(0.5e9 * run->setup->seconds)) return;
+    client->to = (struct mark){1e-9 * (double)stats->time_ns, client->before + (double)client->paths,
+                               processor(run->daemon), 0.0};
+    for (int i = 0; i < run->loops; i++) client->to.loops += processor(run->loop[i]);
+    if (client->from.time == 0.0) client->from = client->to;
+}
+
+static void *watch(void *argument)
+{
+    struct client *client = argument;
+    struct run *run = client->run;
+    Fovea__Hello hello = FOVEA__HELLO__INIT;
+    char error[PRO_ERROR_SIZE];
+    hello.client = "fovea-bench busy";
+    hello.tiles = FOVEA__ENCODING__ENCODING_HALF_ZSTD;
+    hello.stats = true;
+    struct pro_client *connection = pro_connect(&run->address, &hello, -1, true, error);
+    client->failed = !connection;
+    while (!client->failed) {
+        const uint64_t end_ns = atomic_load(&run->end_ns);
+        Fovea__Message *message;
+        const enum pro_result result = pro_receive(connection, 50, &message, error);
+        const uint64_t now_ns = dmn_now_ns();
+        client->failed = result == PRO_BROKEN;
+        /* after the end it goes on until there are two marks to compare */
+        if (end_ns && now_ns >= end_ns && client->to.time > client->from.time) break;
+        if (result != PRO_MESSAGE) continue;
+        if (message->body_case == FOVEA__MESSAGE__BODY_TILE) take_tile(client, message->tile, now_ns);
+        if (message->body_case == FOVEA__MESSAGE__BODY_STATS) take_stats(client, message->stats);
+        fovea__message__free_unpacked(message, NULL);
+    }
+    if (client->failed) fprintf(stderr, "fovea-bench: %s\n", error);
+    const uint64_t silent_ns = dmn_now_ns() - client->last_ns;
+    if (silent_ns > client->gap_ns) client->gap_ns = silent_ns;
+    pro_disconnect(connection);
+    return NULL;
+}
+
+/* --- figures --- */
+
+enum { FIRST, GAP, BATCH_P50, BATCH_P99, TILE_P50, TILE_P99, TILES, PATHS, DAEMON, LOOP, FIGURES };
+
+/* Of what is printed: its key, its name, and how many of its units a second or a piece is. */
+static const struct {
+    const char *key, *name;
+    double unit;
+} figure_of[FIGURES] = {
+    [FIRST] = {"first_tile_s", "socket to first tile, s", 1},
+    [GAP] = {"longest_gap_s", "longest wait for a tile, s", 1},
+    [BATCH_P50] = {"gaze_to_batch_p50_ms", "gaze to batch, ms: p50", 1e3},
+    [BATCH_P99] = {"gaze_to_batch_p99_ms", "                   p99", 1e3},
+    [TILE_P50] = {"gaze_to_tile_p50_ms", "gaze to tile, ms:  p50", 1e3},
+    [TILE_P99] = {"gaze_to_tile_p99_ms", "                   p99", 1e3},
+    [TILES] = {"tiles_per_second", "tiles a second to a client", 1},
+    [PATHS] = {"paths_per_second", "Mpaths a second", 1e-6},
+    [DAEMON] = {"processors_of_daemon", "processors that fovead had", 1},
+    [LOOP] = {"processors_of_a_loop", "processors that a busy loop had", 1},
+};
+
+static void evaluate(const struct run *run, double figure[FIGURES])
+{
+    const struct client *first = &run->client[0];
+    const double seconds = first->to.time - first->from.time;
+    memset(figure, 0, FIGURES * sizeof *figure);
+    for (const struct client *c = run->client; c < run->client + run->setup->clients; c++) {
+        figure[FIRST] = fmax(figure[FIRST], 1e-9 * (double)(c->first_ns - run->socket_ns));
+        figure[GAP] = fmax(figure[GAP], 1e-9 * (double)c->gap_ns);
+        figure[TILES] += (double)c->tiles / run->setup->seconds / run->setup->clients;
+    }
+    figure[BATCH_P50] = dmn_histogram_quantile(&run->to_batch, 0.5);
+    figure[BATCH_P99] = dmn_histogram_quantile(&run->to_batch, 0.99);
+    figure[TILE_P50] = dmn_histogram_quantile(&run->to_tile, 0.5);
+    figure[TILE_P99] = dmn_histogram_quantile(&run->to_tile, 0.99);
+    figure[PATHS] = (first->to.paths - first->from.paths) / seconds;
+    figure[DAEMON] = (first->to.daemon - first->from.daemon) / seconds;
+    if (run->loops > 0) figure[LOOP] = (first->to.loops - first->from.loops) / seconds / run->loops;
+}
+
+/* One start of fovead, beside so many busy loops. */
+static bool measure(const struct setup *setup, int loops, double figure[FIGURES])
+{
+    static struct run run;
+    char directory[] = "/tmp/fovea-busy-XXXXXX";
+    run = (struct run){.setup = setup, .address.is_unix = true, .lock = PTHREAD_MUTEX_INITIALIZER};
+    if (!mkdtemp(directory)) {
+        perror(directory);
+        return false;
+    }
+    snprintf(run.address.path, sizeof run.address.path, "%s/socket", directory);
+    bool ok = start_loops(&run, loops) && start_daemon(&run);
+    int watching = 0;
+    for (; ok && watching < setup->clients; watching++) {
+        run.client[watching].run = &run;
+        ok = pthread_create(&run.client[watching].thread, NULL, watch, &run.client[watching]) == 0;
+    }
+    if (watching < setup->clients) atomic_store(&run.end_ns, 1);
+    for (int i = 0; i < watching; i++) {
+        pthread_join(run.client[i].thread, NULL);
+        ok = ok && !run.client[i].failed;
+    }
+    end(run.daemon, SIGTERM);
+    for (int i = 0; i < run.loops; i++) end(run.loop[i], SIGKILL);
+    unlink(run.address.path);
+    rmdir(directory);
+    if (ok) evaluate(&run, figure);
+    return ok;
+}
+
+/* What paths would have a second if every thread that computes had as much of the processors as every other,
+ * by how many threads there are; and by what a busy loop really had, where others use the machine too. */
+static void fair_share(const struct setup *setup, const double alone[FIGURES], const double beside[FIGURES],
+                       double *out_by_number, double *out_by_loops)
+{
+    const double processors = (double)sysconf(_SC_NPROCESSORS_ONLN);
+    *out_by_number = alone[PATHS] * processors / (processors + setup->loops);
+    *out_by_loops = alone[PATHS] / alone[DAEMON] * processors * beside[LOOP];
+}
+
+int bench_busy(int count, char **arguments)
+{
+    struct setup setup;
+    double alone[FIGURES], beside[FIGURES], by_number, by_loops;
+    if (!parse(count, arguments, &setup)) return 2;
+    if (!measure(&setup, 0, alone) || !measure(&setup, setup.loops, beside)) return 1;
+    fair_share(&setup, alone, beside, &by_number, &by_loops);
+    if (setup.json) {
+        json_t *root = json_pack("{s:s,s:i,s:i,s:i,s:f,s:f,s:o,s:o}", "scene", setup.scene.path, "width",
+                                 setup.width, "loops", setup.loops, "clients", setup.clients,
+                                 "share_by_number", beside[PATHS] / by_number, "share_by_loops",
+                                 beside[PATHS] / by_loops, "alone", json_object(), "beside", json_object());
+        for (int i = 0; i < FIGURES; i++) {
+            json_object_set_new(json_object_get(root, "alone"), figure_of[i].key,
+                                json_real(alone[i] * (i == PATHS ? 1 : figure_of[i].unit)));
+            json_object_set_new(json_object_get(root, "beside"), figure_of[i].key,
+                                json_real(beside[i] * (i == PATHS ? 1 : figure_of[i].unit)));
+        }
+        json_dumpf(root, stdout, JSON_INDENT(1) | JSON_REAL_PRECISION(6));
+        putchar('\n');
+        json_decref(root);
+        return 0;
+    }
+    printf("%s, gaze %s, film %d x %d, clients %d, %g s each\n%-34s %9d %9d\n", setup.scene.path, setup.gaze,
+           setup.width, setup.width / 2, setup.clients, setup.seconds, "busy loops beside it", 0,
+           setup.loops);
+    for (int i = 0; i < FIGURES; i++)
+        printf("%-34s %9.3f %9.3f\n", figure_of[i].name, alone[i] * figure_of[i].unit,
+               beside[i] * figure_of[i].unit);
+    printf("%-34s %9s %9.3f  %.0f %% of it\n%-34s %9s %9.3f  %.0f %% of it\n",
+           "fair share by number of threads", "", 1e-6 * by_number, 100 * beside[PATHS] / by_number,
+           "fair share by what a loop had", "", 1e-6 * by_loops, 100 * beside[PATHS] / by_loops);
+    return 0;
+}
