@@ -43,7 +43,7 @@ bool dmn_parse_whole(const char *text, uint64_t low, uint64_t high, uint64_t *ou
 bool dmn_parse_size(const char *text, int *out_width, int *out_height);
 
 /* Is it a place where the eye can be? */
-bool dmn_eye_is_somewhere(const float eye[3]);
+bool dmn_eye_is_somewhere(const double eye[3]);
 
 /* Azimuth (right of -Z) and elevation, deg. */
 void dmn_angles(const float direction[3], double *out_yaw_deg, double *out_pitch_deg);

@@ -234,7 +234,7 @@ static void take_up(struct dmn_edits *edits)
     struct rnd_scene_options files = edits->files;
     struct rnd_scene *scene, *former;
     char error[RND_ERROR_SIZE], line[sizeof(edits->words.line)];
-    float eye[3];
+    double eye[3];
 
     if (dmn_painter_moved(edits->options.painter, eye)) {
         files.has_eye = true;

@@ -60,10 +60,10 @@ bool dmn_parse_size(const char *text, int *out_width, int *out_height)
     return true;
 }
 
-bool dmn_eye_is_somewhere(const float eye[3])
+bool dmn_eye_is_somewhere(const double eye[3])
 {
     for (int i = 0; i < 3; i++)
-        if (!(fabsf(eye[i]) <= DMN_FARTHEST)) return false;
+        if (!(fabs(eye[i]) <= DMN_FARTHEST)) return false;
     return true;
 }
 

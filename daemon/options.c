@@ -147,7 +147,7 @@ static bool take_eye(struct parser *p, const char *text)
     double n[3];
     bool good = dmn_parse_numbers(text, 3, n);
 
-    for (int i = 0; good && i < 3; i++) p->out->scene.eye[i] = (float)n[i];
+    for (int i = 0; good && i < 3; i++) p->out->scene.eye[i] = n[i];
     if (!good || !dmn_eye_is_somewhere(p->out->scene.eye))
         return refuse("--eye wants X,Y,Z, each %d m at most, not '%s'", DMN_FARTHEST, text);
     return p->out->scene.has_eye = true;

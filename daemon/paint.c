@@ -39,7 +39,7 @@ struct dmn_painter {
     pthread_mutex_t lock; /* of all that follows */
     struct dmn_work work; /* written by the painter's thread alone, which reads it without the lock */
     bool due, moved;      /* a new generation is; the eye is where a client wants it */
-    float eye[3];         /* of the generation that is due, or else of the present one */
+    double eye[3];        /* of the generation that is due, or else of the present one */
     struct rnd_scene *next, *former; /* waits to be taken, or NULL; was given up for the one that was */
     pthread_cond_t changed;          /* next has been taken, or will not be any more */
 };
@@ -253,7 +253,7 @@ void dmn_painter_work(struct dmn_painter *painter, struct dmn_work *out_work)
     if (!painter->options.virtual_clock) out_work->now_ns = dmn_now_ns();
 }
 
-uint64_t dmn_painter_move(struct dmn_painter *painter, const float eye[3], bool relative, float out_eye[3])
+uint64_t dmn_painter_move(struct dmn_painter *painter, const double eye[3], bool relative, double out_eye[3])
 {
     uint64_t generation = 0;
 
@@ -268,7 +268,7 @@ uint64_t dmn_painter_move(struct dmn_painter *painter, const float eye[3], bool 
     return generation;
 }
 
-bool dmn_painter_moved(struct dmn_painter *painter, float out_eye[3])
+bool dmn_painter_moved(struct dmn_painter *painter, double out_eye[3])
 {
     bool moved;
 

@@ -26,7 +26,7 @@ struct dmn_painter_options {
 struct dmn_work {
     uint64_t generation; /* from 1 */
     uint64_t asked;      /* the newest one asked for: generation, or the next */
-    float eye[3];        /* m */
+    double eye[3];       /* m */
     uint64_t paths, rays, batches, not_finite;
     double seconds;                              /* since it began; until painting ended, if it has */
     double paths_per_second;                     /* lately */
@@ -44,9 +44,9 @@ void dmn_painter_work(struct dmn_painter *painter, struct dmn_work *out_work);
 /* The eye goes to a place (m), or by so much from where it is or was told to go; any thread may ask. The
  * newest of several before the next batch wins. Returns the generation that this begins, and where the eye is
  * then; 0 if that would be nowhere. */
-uint64_t dmn_painter_move(struct dmn_painter *painter, const float eye[3], bool relative, float out_eye[3]);
+uint64_t dmn_painter_move(struct dmn_painter *painter, const double eye[3], bool relative, double out_eye[3]);
 /* Has the eye been moved so? Then where to. */
-bool dmn_painter_moved(struct dmn_painter *painter, float out_eye[3]);
+bool dmn_painter_moved(struct dmn_painter *painter, double out_eye[3]);
 /* Go on with another scene, and unless it has been moved with that scene's eye. Waits until it is in use. One
  * thread at a time. Returns the scene that is not in use any more: the former one, or if painting has ended
  * the new one. */

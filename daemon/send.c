@@ -105,6 +105,7 @@ static uint8_t *stats(struct dmn_session *session, size_t *out_count)
     Fovea__Tracker tracker = FOVEA__TRACKER__INIT;
     struct dmn_gaze_state state;
     struct dmn_work work;
+    float eye[3];
 
     session->stats_due = false;
     dmn_painter_work(common->painter, &work);
@@ -132,8 +133,9 @@ static uint8_t *stats(struct dmn_session *session, size_t *out_count)
     stats.recording = state.recording;
     stats.recorded = state.recorded;
     stats.generation = work.generation;
+    for (int i = 0; i < 3; i++) eye[i] = (float)work.eye[i];
     stats.n_eye = 3;
-    stats.eye = work.eye;
+    stats.eye = eye;
     stats.scene = (char *)common->words.line;
     stats.refused = (char *)common->words.refused;
     tracker.present = state.source.present;

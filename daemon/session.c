@@ -227,16 +227,17 @@ static bool take_recentre(struct dmn_session *session, const Fovea__Recentre *re
 static bool take_move(struct dmn_session *session, const Fovea__Move *move, char out_error[PRO_ERROR_SIZE])
 {
     struct dmn_reply answer;
-    float eye[3];
+    double eye[3] = {0};
     uint64_t generation;
 
-    if (move->n_eye != 3 || !dmn_eye_is_somewhere(move->eye)) return fail(out_error, "a move to nowhere");
+    for (size_t i = 0; i < 3 && move->n_eye == 3; i++) eye[i] = (double)move->eye[i];
+    if (move->n_eye != 3 || !dmn_eye_is_somewhere(eye)) return fail(out_error, "a move to nowhere");
     if (session->common->options->virtual_clock)
         return reply(session,
                      done(move->request, false,
                           "the eye stays: under the virtual clock a picture does not depend on clients"),
                      out_error);
-    generation = dmn_painter_move(session->common->painter, move->eye, move->relative, eye);
+    generation = dmn_painter_move(session->common->painter, eye, move->relative, eye);
     if (!generation)
         return reply(session,
                      done(move->request, false, "the eye stays within %d m of the origin", DMN_FARTHEST),
@@ -244,7 +245,7 @@ static bool take_move(struct dmn_session *session, const Fovea__Move *move, char
     answer = done(move->request, true, "generation %llu, eye %.6g,%.6g,%.6g m",
                   (unsigned long long)generation, eye[0], eye[1], eye[2]);
     answer.generation = generation;
-    memcpy(answer.eye, eye, sizeof(answer.eye));
+    for (int i = 0; i < 3; i++) answer.eye[i] = (float)eye[i];
     return reply(session, answer, out_error);
 }
 

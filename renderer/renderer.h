@@ -45,15 +45,15 @@ struct rnd_scene_options {
      * picture does without the others. See rnd_scene_take_textures(). */
     bool textures_later;
     bool has_eye;
-    float eye[3]; /* m; without it the first camera of the file, else the middle of the scene's bounds */
+    double eye[3]; /* m; without it the first camera of the file, else the middle of the scene's bounds */
 };
 
 struct rnd_scene_info {
     uint64_t triangles, emissive_triangles; /* those of a mesh that is in many places count in each */
     uint32_t meshes, materials, textures, punctual_lights;
     bool has_env, has_sun;
-    float eye[3];
-    float bounds[2][3];                 /* lowest and highest corner, m */
+    double eye[3];
+    double bounds[2][3];                /* lowest and highest corner, m */
     uint64_t texture_bytes;             /* 0 while they are read */
     double read_seconds, build_seconds; /* import and textures; BVH and light tables */
     const char *
@@ -153,12 +153,12 @@ int rnd_render_threads(const struct rnd_render *render);
 /* Empty the film and go on with this scene, which may be the same, seen from eye (m), as a render that was
  * just created would: bit for bit. The former scene is not used any more once this returns. Not while a batch
  * runs. Readers may read meanwhile: every tile is as it was or empty, and says by its generation which. */
-void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene, const float eye[3]);
+void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene, const double eye[3]);
 
 /* Empty the film and go on with this scene, which may be the same, seen from eye (m), as a render that was
  * just created would: bit for bit. The former scene is not used any more once this returns. Not while a batch
  * runs. Readers may read meanwhile: every tile is as it was or empty, and says by its generation which. */
-void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene, const float eye[3]);
+void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene, const double eye[3]);
 
 struct rnd_batch {
     uint64_t paths, rays, not_finite; /* traced in this batch; paths that counted as black because

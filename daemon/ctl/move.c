@@ -54,10 +54,10 @@ int ctl_move(const struct ctl *ctl)
     struct pro_client *client;
     double number[3];
     float eye[3] = {0};
-    bool good = dmn_parse_numbers(ctl->operand[0], 3, number);
+    bool good = dmn_parse_numbers(ctl->operand[0], 3, number) && dmn_eye_is_somewhere(number);
 
     for (int i = 0; good && i < 3; i++) eye[i] = (float)number[i];
-    if (!good || !dmn_eye_is_somewhere(eye)) {
+    if (!good) {
         ctl_fail("move wants X,Y,Z in metres, each %d at most, not '%s'", DMN_FARTHEST, ctl->operand[0]);
         return 2;
     }

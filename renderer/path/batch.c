@@ -286,6 +286,11 @@ void rnd_render_retrace(struct rnd_render *render, const struct rnd_aim *aim, ui
 
 /* --- life --- */
 
+static void go_to(struct rnd_render *render, const struct rnd_scene *scene, const double eye[3])
+{
+    for (int k = 0; k < 3; k++) render->eye[k] = (float)(eye[k] - scene->origin[k]);
+}
+
 struct rnd_render *rnd_render_create(const struct rnd_scene *scene, const struct rnd_render_options *options,
                                      char out_error[RND_ERROR_SIZE])
 {
@@ -303,7 +308,7 @@ struct rnd_render *rnd_render_create(const struct rnd_scene *scene, const struct
     if (!render) goto no_memory;
     pthread_mutex_init(&render->whole, NULL);
     render->scene = scene;
-    memcpy(render->eye, scene->info.eye, sizeof render->eye);
+    go_to(render, scene, scene->info.eye);
     render->distribution = options->distribution;
     render->seed = rnd_hash2((uint32_t)options->seed, (uint32_t)(options->seed >> 32));
     render->workers = (int)threads;
@@ -367,10 +372,10 @@ static void empty(void *context, int worker)
             rnd_film_empty(film, &film->tile[k], emptying->render->generation);
 }
 
-void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene, const float eye[3])
+void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene, const double eye[3])
 {
     render->scene = scene;
-    memcpy(render->eye, eye, sizeof render->eye);
+    go_to(render, scene, eye);
     for (int i = 0; i < render->workers; i++) rnd_tracer_scene(render->worker[i].tracer, scene);
     choose_evenly(render);
     render->next_cell = 0;

@@ -95,8 +95,8 @@ static bool in_range(vec3s p)
 static void extend_bounds(struct import *in, vec3s p)
 {
     for (int k = 0; k < 3; k++) {
-        in->scene->info.bounds[0][k] = fminf(in->scene->info.bounds[0][k], p.raw[k]);
-        in->scene->info.bounds[1][k] = fmaxf(in->scene->info.bounds[1][k], p.raw[k]);
+        in->scene->info.bounds[0][k] = fmin(in->scene->info.bounds[0][k], (double)p.raw[k]);
+        in->scene->info.bounds[1][k] = fmax(in->scene->info.bounds[1][k], (double)p.raw[k]);
     }
 }
 
@@ -348,7 +348,7 @@ static bool read_node_meshes(struct import *in, const struct aiNode *node, const
 static void see_from(struct import *in, const struct aiMatrix4x4 *world, struct aiVector3D position)
 {
     const vec3s p = transform(world, &position, 1.0f);
-    memcpy(in->scene->info.eye, p.raw, sizeof p);
+    for (int k = 0; k < 3; k++) in->scene->info.eye[k] = (double)p.raw[k];
     in->has_eye = isfinite(p.x) && isfinite(p.y) && isfinite(p.z);
 }
 
@@ -473,7 +473,7 @@ static bool read_scene(struct import *in)
     if (scene->info.triangles == 0) return fail(in, "holds no triangle");
     name_unsupported(in);
     for (int k = 0; k < 3 && !in->has_eye; k++)
-        scene->info.eye[k] = 0.5f * (scene->info.bounds[0][k] + scene->info.bounds[1][k]);
+        scene->info.eye[k] = 0.5 * (scene->info.bounds[0][k] + scene->info.bounds[1][k]);
     return true;
 }
 

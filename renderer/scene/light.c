@@ -135,8 +135,9 @@ static bool build_punctual(struct rnd_scene *scene, double *out_power)
 {
     struct rnd_lights *lights = &scene->lights;
     if (lights->punctual_count == 0) return true;
-    const float radius =
-        0.5f * glms_vec3_distance(rnd_vec(scene->info.bounds[0]), rnd_vec(scene->info.bounds[1]));
+    double square = 0.0;
+    for (int k = 0; k < 3; k++) square += pow(scene->info.bounds[1][k] - scene->info.bounds[0][k], 2.0);
+    const float radius = 0.5f * (float)sqrt(square);
     float *power = malloc(lights->punctual_count * sizeof *power), sum = 0.0f;
     vec3s *position = malloc(lights->punctual_count * sizeof *position);
     bool ok = power && position;

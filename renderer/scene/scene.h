@@ -115,6 +115,9 @@ struct rnd_warnings {
 
 struct rnd_scene {
     struct rnd_scene_info info;
+    /* Where the scene's own coordinates begin, m: all but info is in these, since floats are too coarse far
+     * from their origin. */
+    double origin[3];
     char unsupported[1024];
     struct rnd_warnings warnings, late_warnings; /* of the file; of textures that came later */
     bool one_sided;                              /* some of the materials are */

@@ -67,7 +67,7 @@ bool bench_options(int count, char **arguments, const char *help, const struct b
         all[SCENE] = (struct bench_option){"scene", BENCH_TEXT, &scene->path, 1, 0, 0};
         all[ENV] = (struct bench_option){"env", BENCH_TEXT, &scene->env_path, 1, 0, 0};
         all[SUN] = (struct bench_option){"sun", BENCH_FLOAT, scene->sun, 4, -FLT_MAX, FLT_MAX};
-        all[EYE] = (struct bench_option){"eye", BENCH_FLOAT, scene->eye, 3, -FLT_MAX, FLT_MAX};
+        all[EYE] = (struct bench_option){"eye", BENCH_DOUBLE, scene->eye, 3, -FLT_MAX, FLT_MAX};
         n = SCENE_OPTIONS;
     }
     for (; list->name && n < MOST; list++) all[n++] = *list;

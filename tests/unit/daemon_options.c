@@ -240,15 +240,15 @@ static void done(void **state)
 
 static void places(void **state)
 {
-    static const float SOMEWHERE[][3] = {{0, 0, 0}, {-0.f, 1e-30f, 1.6f}, {1e7f, -1e7f, 1e7f}};
+    static const double SOMEWHERE[][3] = {{0, 0, 0}, {-0., 1e-30, 1.6}, {1e7, -1e7, 1e7}};
 
     (void)state;
     for (int i = 0; i < 3; i++) assert_true(dmn_eye_is_somewhere(SOMEWHERE[i]));
     for (int i = 0; i < 3; i++) {
-        static const float NOWHERE[] = {NAN, INFINITY, -INFINITY, 1.1e7f, -1.1e7f, 3e38f};
+        static const double NOWHERE[] = {NAN, INFINITY, -INFINITY, 1.1e7, -1.1e7, 3e38};
 
         for (int k = 0; k < 6; k++) {
-            float eye[3] = {1, 2, 3};
+            double eye[3] = {1, 2, 3};
 
             eye[i] = NOWHERE[k];
             assert_false(dmn_eye_is_somewhere(eye));

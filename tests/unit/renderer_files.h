@@ -250,7 +250,7 @@ static inline struct rnd_scene *files_load(const char *path, const char *env, co
     struct rnd_scene_options options = {.path = path, .env_path = env, .has_sun = sun, .has_eye = eye};
     char error[RND_ERROR_SIZE];
     if (sun) memcpy(options.sun, sun, sizeof options.sun);
-    if (eye) memcpy(options.eye, eye, sizeof options.eye);
+    for (int k = 0; eye && k < 3; k++) options.eye[k] = (double)eye[k];
     struct rnd_scene *scene = rnd_scene_load(&options, error);
     if (!scene) fail_msg("%s", error);
     return scene;

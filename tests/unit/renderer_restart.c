@@ -59,9 +59,9 @@ static void as_fresh(void **state)
 {
     (void)state;
     static struct all first, other, again, before;
-    static const float near_the_wall[3] = {1.2f, -0.4f, 1.1f};
+    static const double near_the_wall[3] = {1.2, -0.4, 1.1};
     struct rnd_scene *scene =
-        files_load(files_path("room.obj"), files_env("dim.exr", 0.25f), NULL, near_the_wall);
+        files_load(files_path("room.obj"), files_env("dim.exr", 0.25f), NULL, (float[]){1.2f, -0.4f, 1.1f});
     struct rnd_render *render = make(room, WIDTH, "fv", 2);
     fresh(room, &first);
     fresh(scene, &other);
@@ -179,11 +179,11 @@ static void readers(void **state)
     files_text("speck.mtl", "newmtl m\nKd 0 0 0\n");
     const char *path =
         files_text("speck.obj", "mtllib speck.mtl\nusemtl m\nv 0 -9 0\nv 1e-4 -9 0\nv 0 -9 1e-4\nf 1 2 3\n");
-    static const float eye[3] = {0, 0, 0};
+    static const double eye[3] = {0, 0, 0};
     struct rnd_scene *world[2];
     for (int i = 0; i < 2; i++)
-        world[i] =
-            files_load(path, files_env(i ? "grey.exr" : "white.exr", shade_of((uint32_t)i)), NULL, eye);
+        world[i] = files_load(path, files_env(i ? "grey.exr" : "white.exr", shade_of((uint32_t)i)), NULL,
+                              (float[]){0, 0, 0});
     struct rnd_render *render = make(world[0], WIDTH, "od", 2);
     struct reader reader = {.render = render};
     const struct rnd_aim aim = files_aim(0, 0, -1);
