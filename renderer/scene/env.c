@@ -23,17 +23,35 @@ static float weight_of(const struct rnd_env *env, int x, int y)
     return sum * sinf((float)M_PI * (y + 0.5f) / env->height);
 }
 
-/* Take the radiance of every texel; false if one is not radiance. */
-static bool take(struct rnd_env *env, const struct rnd_pixels *pixels, size_t *out_bad)
+/* The largest half: what clipped to infinity was at least as bright. And what weights can be summed up to. */
+#define INFINITE_RADIANCE 65504.0f
+#define MOST_RADIANCE     1e30f
+
+/* Take the radiance of every texel. What no radiance can be is clamped, with a warning that names the first.
+ */
+static void take(struct rnd_scene *scene, const char *path, const struct rnd_pixels *pixels)
 {
+    struct rnd_env *env = scene->lights.env;
     const size_t count = (size_t)env->width * env->height, n = pixels->channels;
-    for (size_t i = 0; i < count; i++)
+    size_t bad = 0, first = 0;
+    float what = 0.0f;
+    for (size_t i = 0; i < count; i++) {
+        bool good = true;
         for (size_t c = 0; c < 3; c++) {
             const float value = pixels->floats[n * i + (n >= 3 ? c : 0)];
-            if (!(value >= 0.0f && isfinite(value))) return *out_bad = i, false;
-            env->texel[i][c] = value;
+            const bool fits = value >= 0.0f && value <= MOST_RADIANCE;
+            if (good && !fits && bad == 0) first = i, what = value;
+            good = good && fits;
+            env->texel[i][c] = fits ? value : value > MOST_RADIANCE ? INFINITE_RADIANCE : 0.0f;
         }
-    return true;
+        bad += !good;
+    }
+    if (bad > 0)
+        rnd_warn(
+            &scene->warnings,
+            "%.200s: the pixel at x %zu, y %zu is %g, which is no radiance; pixels clamped to 0 to %g: %zu",
+            path, first % (size_t)env->width, first / (size_t)env->width, (double)what,
+            (double)INFINITE_RADIANCE, bad);
 }
 
 static uint32_t region_of(const struct rnd_env *env, int x, int y)
@@ -121,7 +139,6 @@ bool rnd_env_load(struct rnd_scene *scene, const char *path, float azimuth_deg,
     struct rnd_env *env = calloc(1, sizeof *env);
     struct rnd_pixels pixels = {0};
     char text[RND_ERROR_SIZE / 2] = "not enough memory";
-    size_t bad = 0;
     bool ok = false, black = false;
     if (!(scene->lights.env = env)) goto end;
     if (!rnd_pixels_read(path, NULL, 0, RND_PIXELS_COLOUR, false, &pixels, text, sizeof text)) {
@@ -135,10 +152,7 @@ bool rnd_env_load(struct rnd_scene *scene, const char *path, float azimuth_deg,
     env->texel = aligned_alloc(64, bytes);
     if (!env->texel) goto end;
     rnd_use_large_pages(env->texel, bytes);
-    if (!take(env, &pixels, &bad)) {
-        snprintf(text, sizeof text, "pixel %zu is negative or not finite: expected radiance", bad);
-        goto end;
-    }
+    take(scene, path, &pixels);
     ok = make_tables(env, &black) && !black;
     if (black) snprintf(text, sizeof text, "the environment map is black");
 end:

@@ -369,6 +369,47 @@ static void environments_of_integers(void **state)
     }
 }
 
+/* Pixels that are no radiance are clamped, and the first is named by its column and row. */
+static void broken_environments(void **state)
+{
+    (void)state;
+    enum { W = 16, H = 8 };
+    static const struct {
+        float value;
+        const char *word;
+        double sky; /* expected in that pixel */
+    } cases[] = {{-1, "x 4, y 1 is -1,", 0},
+                 {NAN, "x 4, y 1 is ", 0},
+                 {INFINITY, "x 4, y 1 is inf,", 65504},
+                 {3e38f, "x 4, y 1 is 3e+38,", 65504}};
+    static const struct rnd_channel rgb_channels[3] = {{"R", RND_FLOAT}, {"G", RND_FLOAT}, {"B", RND_FLOAT}};
+    const char *path =
+        box_scene("speck", "newmtl m\nKd 0 0 0\n", (double[]){0, -50, 0}, (double[]){1, -49, 1});
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        float rgb[W * H * 3];
+        char error[RND_ERROR_SIZE];
+        for (int k = 0; k < W * H * 3; k++) rgb[k] = 1.0f;
+        for (int k = 0; k < 12 * 3; k++) rgb[3 * ((1 + k / 12) * W + 4) + k % 12] = cases[i].value;
+        if (!rnd_pixels_write(files_path("broken.exr"), "exr", W, H, 3, rgb_channels, rgb, true, error,
+                              sizeof error))
+            fail_msg("%s", error);
+        struct rnd_scene *scene = files_load(path, files_path("broken.exr"), NULL, (float[]){0, 0, 0});
+        print_message("%s", rnd_scene_info(scene)->warnings);
+        assert_non_null(strstr(rnd_scene_info(scene)->warnings, "broken.exr: the pixel at "));
+        assert_non_null(strstr(rnd_scene_info(scene)->warnings, cases[i].word));
+        assert_non_null(strstr(rnd_scene_info(scene)->warnings, ": 12"));
+        const double azimuth = (6.0 / W - 0.5) * 2 * M_PI, elevation = (0.5 - 2.5 / H) * M_PI;
+        const struct rnd_aim there = files_aim(cos(elevation) * sin(azimuth), sin(elevation),
+                                               -cos(elevation) * cos(azimuth)),
+                             down = files_aim(0, -1, 0.3);
+        const double sky = files_radiance(scene, "fv", 0, 100000, &there, 8, NULL);
+        assert_float_equal(sky, cases[i].sky, 1e-3 * cases[i].sky);
+        assert_within("the rest of a clamped sky", files_radiance(scene, "fv", 0, 20000, &down, 10, NULL),
+                      1.0, 1e-4);
+        rnd_scene_destroy(scene);
+    }
+}
+
 /* An environment that is bright ahead alone, turned to the right: it is seen there, and lights a floor as
  * much. */
 static void turned_environment(void **state)
@@ -436,6 +477,7 @@ int main(void)
         cmocka_unit_test(metals),
         cmocka_unit_test(lamp_behind_glass),
         cmocka_unit_test(environments_of_integers),
+        cmocka_unit_test(broken_environments),
         cmocka_unit_test(turned_environment),
         cmocka_unit_test(pane),
         cmocka_unit_test(tinted_pane),
