@@ -364,8 +364,6 @@ void rnd_render_resolve(struct rnd_render *render, float *out_rgb, float *out_sa
 
 bool rnd_render_save(struct rnd_render *render, const char *path, char out_error[RND_ERROR_SIZE])
 {
-    static const struct rnd_channel channel[5] = {
-        {"R", RND_HALF}, {"G", RND_HALF}, {"B", RND_HALF}, {"samples", RND_FLOAT}, {"error", RND_HALF}};
     const int width = render->film.width, height = render->film.height;
     const size_t count = (size_t)width * height;
     float *plane = malloc(count * 5 * sizeof *plane), *data = malloc(count * 5 * sizeof *data);
@@ -375,11 +373,14 @@ bool rnd_render_save(struct rnd_render *render, const char *path, char out_error
     } else {
         float *samples = plane + 3 * count, *error = samples + count;
         rnd_render_resolve(render, plane, samples, error);
+        const enum rnd_channel_type colour = rnd_exr_type(plane, 3 * count),
+                                    spread = rnd_exr_type(error, count);
+        const struct rnd_channel channel[5] = {
+            {"R", colour}, {"G", colour}, {"B", colour}, {"samples", RND_FLOAT}, {"error", spread}};
         for (size_t i = 0; i < count; i++) {
-            for (int c = 0; c < 3; c++)
-                data[5 * i + c] = fminf(plane[3 * i + c], 65504.0f); /* largest half */
+            memcpy(&data[5 * i], &plane[3 * i], 3 * sizeof *data);
             data[5 * i + 3] = samples[i];
-            data[5 * i + 4] = fminf(error[i], 65504.0f);
+            data[5 * i + 4] = error[i];
         }
         ok = rnd_image_write_channels(path, width, height, 5, channel, data, true, out_error);
     }

@@ -3,6 +3,7 @@
 #include "scene/srgb.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -87,25 +88,37 @@ bool rnd_image_write_channels(const char *path, int width, int height, int chann
     return true;
 }
 
+enum rnd_channel_type rnd_exr_type(const float *values, size_t count)
+{
+    const float largest_half = 65504.0f;
+    /* Half has steps of 2^-24 below 2^-14, that is of a sixteen-thousandth of this mean. */
+    const double least_mean = 0x1p-10;
+    double sum = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        const float size = fabsf(values[i]);
+        if (size > largest_half) return RND_FLOAT;
+        sum += size;
+    }
+    return sum > 0.0 && sum < least_mean * (double)count ? RND_FLOAT : RND_HALF;
+}
+
 bool rnd_image_write(const char *path, int width, int height, const float *rgb, bool equirectangular,
                      char out_error[RND_ERROR_SIZE])
 {
     const char *dot = strrchr(path, '.');
     const bool exr = dot && strcasecmp(dot, ".exr") == 0, hdr = dot && strcasecmp(dot, ".hdr") == 0;
-    const enum rnd_channel_type type = exr ? RND_HALF : hdr ? RND_FLOAT : RND_BYTE;
+    const size_t count = (size_t)width * height * 3;
+    const enum rnd_channel_type type = exr ? rnd_exr_type(rgb, count) : hdr ? RND_FLOAT : RND_BYTE;
     const struct rnd_channel channel[3] = {{"R", type}, {"G", type}, {"B", type}};
-    if (hdr)
+    if (exr || hdr)
         return rnd_image_write_channels(path, width, height, 3, channel, rgb, equirectangular, out_error);
 
-    const float largest_half = 65504.0f; /* beyond it a sun would be infinite */
-    const size_t count = (size_t)width * height * 3;
     float *stored = malloc(count * sizeof *stored);
     if (!stored) {
         snprintf(out_error, RND_ERROR_SIZE, "%.200s: not enough memory", path);
         return false;
     }
-    for (size_t i = 0; i < count; i++)
-        stored[i] = !exr ? rnd_srgb_encode(rgb[i]) : rgb[i] > largest_half ? largest_half : rgb[i];
+    for (size_t i = 0; i < count; i++) stored[i] = rnd_srgb_encode(rgb[i]);
     const bool ok =
         rnd_image_write_channels(path, width, height, 3, channel, stored, equirectangular, out_error);
     free(stored);

@@ -10,4 +10,8 @@ bool rnd_image_write_channels(const char *path, int width, int height, int chann
                               const struct rnd_channel *channel, const float *data, bool equirectangular,
                               char out_error[RND_ERROR_SIZE]);
 
+/* How an EXR stores count values: as half floats, or as floats if one is beyond half's range, or if their
+ * mean is so small that half's steps would show. */
+enum rnd_channel_type rnd_exr_type(const float *values, size_t count);
+
 #endif

@@ -233,7 +233,7 @@ bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *
  * All of it is of one generation: a restart waits until it is read. */
 void rnd_render_resolve(struct rnd_render *render, float *out_rgb, float *out_samples, float *out_error);
 
-/* Write the film as EXR: R, G, B, "samples", "error", marked as an equirectangular environment for 360
+/* Write the film as EXR: R, G, B, "samples", "error" (half floats where these hold the values), marked as an equirectangular environment for 360
  * viewers. */
 bool rnd_render_save(struct rnd_render *render, const char *path, char out_error[RND_ERROR_SIZE]);
 
@@ -250,7 +250,7 @@ float *rnd_image_read(const char *path, int *out_width, int *out_height, bool *o
 float *rnd_image_read_channel(const char *path, const char *channel, int *out_width, int *out_height,
                               char out_error[RND_ERROR_SIZE]);
 
-/* Write RGB floats, linear: .exr as half floats, .png, .jpg and what else OpenImageIO writes as 8-bit sRGB,
+/* Write RGB floats, linear: .exr as half floats where these hold them, else as floats; .png, .jpg and what else OpenImageIO writes as 8-bit sRGB,
  * clamped. equirectangular: mark the file as a 360-degree panorama. The file appears whole or not at all. */
 bool rnd_image_write(const char *path, int width, int height, const float *rgb, bool equirectangular,
                      char out_error[RND_ERROR_SIZE]);

@@ -13,8 +13,8 @@ static void round_trip(void **state)
     static const struct {
         const char *name;
         double relative, absolute, largest;
-    } kinds[] = {{"a.exr", 5e-4, 1e-7, 65504},
-                 {"A.EXR", 5e-4, 1e-7, 65504},
+    } kinds[] = {{"a.exr", 0, 0, 1e9}, /* as floats: one value is too much for a half */
+                 {"A.EXR", 0, 0, 1e9},
                  {"a.hdr", 0.01, 1e-3, 1e9},
                  {"a.png", 0.02, 0.002, 1},
                  {"a.tif", 0.02, 0.002, 1}};
@@ -40,6 +40,44 @@ static void round_trip(void **state)
     }
 }
 
+static long size_of(const char *path)
+{
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    assert_int_equal(fseek(file, 0, SEEK_END), 0);
+    const long size = ftell(file);
+    fclose(file);
+    return size;
+}
+
+/* An EXR has half floats unless they would lose something: the sun's radiance, or a picture so dark that it
+ * lies between two of them. */
+static void half_or_float(void **state)
+{
+    (void)state;
+    enum { W = 64, H = 32, COUNT = W * H * 3 };
+    static const struct {
+        double scale, brightest, tolerance;
+    } files[] = {{1, 0, 5e-4}, {1, 65000, 5e-4}, {1, 1.2e5, 0}, {1e-5, 0, 0}, {1e-12, 0, 0}};
+    long size[5];
+    for (int k = 0; k < 5; k++) {
+        static float rgb[COUNT];
+        char error[RND_ERROR_SIZE] = "";
+        int width, height;
+        for (int i = 0; i < COUNT; i++)
+            rgb[i] = (float)(files[k].scale * (0.1 + 0.4 * (i * 7919 % COUNT) / COUNT));
+        if (files[k].brightest > 0) rgb[300] = (float)files[k].brightest;
+        if (!rnd_image_write(files_path("range.exr"), W, H, rgb, true, error)) fail_msg("%s", error);
+        float *back = rnd_image_read(files_path("range.exr"), &width, &height, NULL, error);
+        if (!back) fail_msg("%s", error);
+        for (int i = 0; i < COUNT; i++)
+            assert_true(fabs((double)back[i] - rgb[i]) <= files[k].tolerance * (double)rgb[i]);
+        free(back);
+        size[k] = size_of(files_path("range.exr"));
+    }
+    assert_true(size[0] < size[2] && size[1] < size[2]);
+}
+
 /* A grey of 128 of 255 is sRGB whatever its bits, unless the file says otherwise. */
 static void colour_spaces(void **state)
 {
@@ -50,7 +88,7 @@ static void colour_spaces(void **state)
         double expected;
     } files[] = {{8, 0, 0.2158605},      {16, 0, 0.2158605},     {8, 45455, 0.2158605},
                  {16, 45455, 0.2158605}, {8, 100000, 0.5019608}, {16, 100000, 0.5019608},
-                 {8, 55556, 0.289205},    {16, 55556, 0.289205}};
+                 {8, 55556, 0.289205},   {16, 55556, 0.289205}};
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
         const int bits = files[i].bits;
         char error[RND_ERROR_SIZE];
@@ -213,8 +251,9 @@ static void relative_rmse(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(round_trip), cmocka_unit_test(colour_spaces), cmocka_unit_test(refused),
-        cmocka_unit_test(directions), cmocka_unit_test(calm_poles),    cmocka_unit_test(relative_rmse),
+        cmocka_unit_test(round_trip),    cmocka_unit_test(colour_spaces), cmocka_unit_test(refused),
+        cmocka_unit_test(directions),    cmocka_unit_test(calm_poles),    cmocka_unit_test(half_or_float),
+        cmocka_unit_test(relative_rmse),
     };
     return cmocka_run_group_tests_name("renderer_image", tests, files_setup, files_teardown);
 }
