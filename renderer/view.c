@@ -5,50 +5,105 @@
 #include "sphere.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 enum { MAX_LEVELS = 16 };
 
 struct mipmap {
     int levels, width[MAX_LEVELS], height[MAX_LEVELS];
-    const float *rgb[MAX_LEVELS]; /* level 0 is the caller's */
-    float *own;
+    float *rgb[MAX_LEVELS];
+    float *memory; /* of all levels */
 };
+
+/* Solid angle of a texel of a row, but for a factor that all rows have in common. */
+static float row_weight(int row, int height)
+{
+    return sinf(((float)row + 0.5f) * (float)M_PI / (float)height);
+}
+
+/* Halve a level. Rows count by their solid angle. */
+static void halve(const float *from, int width, int height, float *to)
+{
+    for (int y = 0; y < height / 2; y++) {
+        const float above = row_weight(2 * y, height), below = row_weight(2 * y + 1, height);
+        const float weight[2] = {0.5f * above / (above + below), 0.5f * below / (above + below)};
+        for (int x = 0; x < width / 2; x++)
+            for (int c = 0; c < 3; c++) {
+                const float *p = from + (2 * (size_t)y * width + 2 * (size_t)x) * 3 + c, *q = p + 3 * width;
+                *to++ = weight[0] * (p[0] + p[3]) + weight[1] * (q[0] + q[3]);
+            }
+    }
+}
+
+/* Texels of a row are narrower on the sphere than they are high: replace each by the mean over as many of
+ * them, on either side, as are as wide as high. prefix has room for width + 1 sums. */
+static void widen_row(float *row, int width, int y, int height, double (*prefix)[3])
+{
+    const double wide = fmin(1.0 / row_weight(y, height), width);
+    if (wide < 1.001) return;
+    memset(prefix[0], 0, sizeof prefix[0]);
+    for (int x = 0; x < width; x++)
+        for (int c = 0; c < 3; c++) prefix[x + 1][c] = prefix[x][c] + row[3 * x + c];
+    for (int x = 0; x < width; x++)
+        for (int c = 0; c < 3; c++) {
+            double sum = 0.0;
+            for (int end = 0; end < 2; end++) { /* the integral up to each end of the mean's interval */
+                const double at = x + 0.5 + (end ? 0.5 : -0.5) * wide, turns = floor(at / width);
+                const double within = at - turns * width;
+                const int i = within < width ? (int)within : width - 1;
+                const double integral = turns * prefix[width][c] + prefix[i][c] +
+                                        (within - i) * (prefix[i + 1][c] - prefix[i][c]);
+                sum += end ? integral : -integral;
+            }
+            row[3 * x + c] = (float)(sum / wide);
+        }
+}
 
 static bool mipmap_init(struct mipmap *map, const float *rgb, int width, int height)
 {
-    *map = (struct mipmap){.levels = 1, .width = {width}, .height = {height}, .rgb = {rgb}};
-    size_t count = 0;
+    *map = (struct mipmap){.levels = 1, .width = {width}, .height = {height}};
+    size_t count = (size_t)width * height * 3;
     while (map->levels < MAX_LEVELS && width > 1 && height > 1) {
         map->width[map->levels] = width /= 2;
         map->height[map->levels++] = height /= 2;
         count += (size_t)width * height * 3;
     }
-    if (!(map->own = malloc((count + 1) * sizeof *map->own))) return false;
-    float *to = map->own;
-    for (int l = 1; l < map->levels; l++) {
-        const float *from = map->rgb[l - 1];
-        const size_t above = map->width[l - 1];
-        map->rgb[l] = to;
-        for (int y = 0; y < map->height[l]; y++)
-            for (int x = 0; x < map->width[l]; x++)
-                for (int c = 0; c < 3; c++) {
-                    const float *p = from + (2 * y * above + 2 * (size_t)x) * 3 + c;
-                    *to++ = 0.25f * (p[0] + p[3] + p[3 * above] + p[3 * above + 3]);
-                }
+    double(*prefix)[3] = malloc(((size_t)map->width[0] + 1) * sizeof *prefix);
+    float *to = map->memory = malloc(count * sizeof *map->memory);
+    if (!prefix || !to) {
+        free(prefix);
+        free(to);
+        return false;
     }
+    memcpy(to, rgb, (size_t)map->width[0] * map->height[0] * 3 * sizeof *to);
+    for (int l = 0; l < map->levels; l++) {
+        if (l > 0) halve(map->rgb[l - 1], map->width[l - 1], map->height[l - 1], to);
+        map->rgb[l] = to;
+        to += (size_t)map->width[l] * map->height[l] * 3;
+    }
+    for (int l = 0; l < map->levels; l++)
+        for (int y = 0; y < map->height[l]; y++)
+            widen_row(map->rgb[l] + 3 * (size_t)y * map->width[l], map->width[l], y, map->height[l], prefix);
+    free(prefix);
     return true;
 }
 
 static vec3s bilinear(const struct mipmap *map, int level, float u, float v)
 {
     const int w = map->width[level], h = map->height[level];
-    const float x = u * w - 0.5f, y = v * h - 0.5f;
-    const int x0 = (int)floorf(x), y0 = (int)floorf(y);
+    const float y = v * h - 0.5f;
+    const int y0 = (int)floorf(y);
     vec3s sum = glms_vec3_zero();
-    for (int i = 0; i < 4; i++) {
-        const int px = (x0 + (i & 1) + w) % w, row = y0 + (i >> 1), py = row < 0 ? 0 : row >= h ? h - 1 : row;
-        const float weight = (i & 1 ? x - x0 : 1.0f - (x - x0)) * (i >> 1 ? y - y0 : 1.0f - (y - y0));
-        sum = glms_vec3_muladds(rnd_vec(map->rgb[level] + 3 * ((size_t)py * w + px)), weight, sum);
+    for (int r = 0; r < 2; r++) {
+        /* The row beyond a pole is the first one again, half a turn further. */
+        const int row = y0 + r, py = row < 0 ? -1 - row : row >= h ? 2 * h - 1 - row : row;
+        const float x = (py == row ? u : u + 0.5f) * w - 0.5f;
+        const int x0 = (int)floorf(x);
+        for (int i = 0; i < 2; i++) {
+            const int px = (x0 + i + 2 * w) % w;
+            const float weight = (i ? x - x0 : 1.0f - (x - x0)) * (r ? y - y0 : 1.0f - (y - y0));
+            sum = glms_vec3_muladds(rnd_vec(map->rgb[level] + 3 * ((size_t)py * w + px)), weight, sum);
+        }
     }
     return sum;
 }
@@ -60,34 +115,15 @@ static vec3s trilinear(const struct mipmap *map, float u, float v, float level)
     return glms_vec3_lerp(bilinear(map, l0, u, v), bilinear(map, l1, u, v), l - (float)l0);
 }
 
-/* What a pixel of the view shows: its square, pixel a side at distance 1 from (x, y), by rays over which the
- * mean is taken. Towards a pole texels crowd along the parallels, and so do the rays; what remains of the
- * footprint is left to the mipmap, at the mean of the two axes' levels. */
+/* What a pixel of the view shows, a square of that side around (x, y) at distance 1: texels of all levels are
+ * as wide on the sphere as they are high, so that its height alone tells the level. */
 static vec3s pixel_mean(const struct mipmap *map, versors orientation, float x, float y, float pixel)
 {
-    enum { MOST = 4 }; /* rays a side */
-    const float texels_u = (float)(map->width[0] / (2.0 * M_PI)), texels_v = (float)(map->height[0] / M_PI);
     const vec3s middle = {{x, y, -1.0f}}, d = glms_quat_rotatev(orientation, glms_vec3_normalize(middle));
-    const float angle = pixel / glms_vec3_norm2(middle), least = 1.0f / (float)map->width[0];
-    const float crowd =
-        angle * texels_u / fmaxf(sqrtf(d.x * d.x + d.z * d.z), least) / fmaxf(angle * texels_v, 1);
-    const int rays = crowd <= 1.0f ? 1 : (int)fminf(ceilf(sqrtf(crowd)), MOST);
-    const float step = pixel / (float)rays;
-    vec3s sum = glms_vec3_zero();
-    for (int i = 0; i < rays * rays; i++) {
-        const vec3s p = {{x + ((float)(i % rays) + 0.5f) * step - 0.5f * pixel,
-                          y + ((float)(i / rays) + 0.5f) * step - 0.5f * pixel, -1.0f}};
-        const vec3s ray = glms_quat_rotatev(orientation, glms_vec3_normalize(p));
-        float u, v;
-        rnd_to_uv(ray, &u, &v);
-        const float across =
-            angle / (float)rays * texels_u / fmaxf(sqrtf(ray.x * ray.x + ray.z * ray.z), least);
-        const float down = angle / (float)rays * texels_v;
-        const float level =
-            0.5f * (log2f(fmaxf(1.0f, fminf(across, (float)map->width[0]))) + log2f(fmaxf(1.0f, down)));
-        sum = glms_vec3_add(sum, trilinear(map, u, v, level));
-    }
-    return glms_vec3_scale(sum, 1.0f / (float)(rays * rays));
+    const float angle = pixel / glms_vec3_norm2(middle);
+    float u, v;
+    rnd_to_uv(d, &u, &v);
+    return trilinear(map, u, v, log2f(fmaxf(1.0f, angle * (float)(map->height[0] / M_PI))));
 }
 
 bool rnd_image_view(const float *rgb, int width, int height, const float orientation[4], float fov_x,
@@ -103,6 +139,6 @@ bool rnd_image_view(const float *rgb, int width, int height, const float orienta
                                        (0.5f * out_height - (float)y - 0.5f) * pixel, pixel);
             glm_vec3_copy((float *)c.raw, out_rgb + 3 * ((size_t)y * out_width + x));
         }
-    free(map.own);
+    free(map.memory);
     return true;
 }

@@ -214,6 +214,38 @@ static void calm_poles(void **state)
     free(stripes);
 }
 
+/* A bright spot looks the same wherever it is, at the zenith too. */
+static void spot_at_the_pole(void **state)
+{
+    (void)state;
+    enum { W = 1024, H = 512, SIDE = 128, SPOTS = 4 };
+    static const double elevation[SPOTS] = {0, 60, 90, -90}, radius = 4, peak = 100;
+    float *panorama = malloc(sizeof *panorama * W * H * 3), q[4];
+    static float view[SIDE * SIDE * 3];
+    assert_non_null(panorama);
+    for (int k = 0; k < SPOTS; k++) {
+        for (int i = 0; i < W * H; i++) {
+            const double a = ((i % W + 0.5) / W - 0.5) * 2 * M_PI, e = (0.5 - (i / W + 0.5) / H) * M_PI,
+                         s = elevation[k] * deg, cosine = sin(e) * sin(s) + cos(e) * cos(s) * cos(a),
+                         r = acos(fmin(1, cosine)) / (radius * deg);
+            for (int c = 0; c < 3; c++) panorama[3 * i + c] = (float)(peak * exp(-r * r));
+        }
+        turn((double[]){1, 0, 0}, elevation[k], q);
+        assert_true(rnd_image_view(panorama, W, H, q, (float)(60 * deg), SIDE, SIDE, view));
+        double worst = 0;
+        for (int i = 0; i < SIDE * SIDE; i++) {
+            const double x = (2 * (i % SIDE + 0.5) / SIDE - 1) * tan(30 * deg),
+                         y = (2 * (i / SIDE + 0.5) / SIDE - 1) * tan(30 * deg),
+                         r = atan(sqrt(x * x + y * y)) / (radius * deg);
+            worst = fmax(worst, fabs(view[3 * i] - peak * exp(-r * r)));
+        }
+        print_message("spot at %g degrees: %.1f in its middle, off by %.2f at most\n", elevation[k],
+                      (double)view[3 * (SIDE / 2 * SIDE + SIDE / 2)], worst);
+        assert_true(worst < 0.05 * peak);
+    }
+    free(panorama);
+}
+
 /* --- relative RMSE --- */
 
 static void relative_rmse(void **state)
@@ -252,8 +284,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(round_trip),    cmocka_unit_test(colour_spaces), cmocka_unit_test(refused),
-        cmocka_unit_test(directions),    cmocka_unit_test(calm_poles),    cmocka_unit_test(half_or_float),
-        cmocka_unit_test(relative_rmse),
+        cmocka_unit_test(directions),    cmocka_unit_test(calm_poles),    cmocka_unit_test(spot_at_the_pole),
+        cmocka_unit_test(half_or_float), cmocka_unit_test(relative_rmse),
     };
     return cmocka_run_group_tests_name("renderer_image", tests, files_setup, files_teardown);
 }
