@@ -35,7 +35,6 @@ struct rnd_render {
     /* the batch under way */
     uint32_t capacity;         /* of the arrays below, paths */
     float grid;                /* cells of positions along a side of the unit square */
-    uint32_t *cell;            /* of positions, sixteen paths each */
     uint32_t *pixel;           /* of paths as drawn: tile * RND_TILE_PIXELS + pixel within it */
     struct rnd_sample *sample; /* of paths by tile, first drawn first */
     uint32_t *run_of;          /* which run each of them is in */

@@ -104,7 +104,6 @@ struct rnd_distribution {
     const char *name;    /* as an option names it */
     const char *summary; /* half a line */
     const char *source;  /* author, year, equation */
-    bool follows_gaze;   /* else what is settled for the gaze still gets its samples */
     /* Fill out (count x 3, unit vectors, world) from u (count x 2, in [0,1)). */
     void (*sample)(const struct rnd_aim *aim, size_t count, const float *u, float *out);
     /* Density per steradian at a unit direction; integrates to one over the sphere. */

@@ -165,7 +165,6 @@ const struct rnd_distribution rnd_distribution_fv = {
     .name = "fv",
     .summary = "by visual acuity around the gaze, published polynomial",
     .source = "Koskela 2018, eq. 7",
-    .follows_gaze = true,
     .sample = polynomial_sample,
     .density = polynomial_density,
 };
@@ -174,7 +173,6 @@ const struct rnd_distribution rnd_distribution_fv_exact = {
     .name = "fv-exact",
     .summary = "by visual acuity around the gaze, exact inverse",
     .source = "Koskela 2018, eq. 2 and 5",
-    .follows_gaze = true,
     .sample = exact_sample,
     .density = exact_density,
 };

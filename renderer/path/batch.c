@@ -174,17 +174,15 @@ static bool reserve(struct rnd_render *render, uint32_t paths)
 {
     if (paths <= render->capacity) return true;
     const size_t tiles = (size_t)render->film.across * (size_t)render->film.down;
-    free(render->cell);
     free(render->pixel);
     free(render->sample);
     free(render->run_of);
     free(render->run);
-    render->cell = malloc((paths / 16 + 1) * sizeof *render->cell);
     render->pixel = malloc(paths * sizeof *render->pixel);
     render->sample = malloc(paths * sizeof *render->sample);
     render->run_of = malloc(paths * sizeof *render->run_of);
     render->run = malloc((tiles < paths ? tiles : paths) * sizeof *render->run);
-    const bool ok = render->cell && render->pixel && render->sample && render->run_of && render->run;
+    const bool ok = render->pixel && render->sample && render->run_of && render->run;
     render->capacity = ok ? paths : 0;
     return ok;
 }
@@ -338,7 +336,6 @@ void rnd_render_destroy(struct rnd_render *render)
     rnd_pool_destroy(render->pool);
     for (int i = 0; render->worker && i < render->workers; i++) rnd_tracer_destroy(render->worker[i].tracer);
     free(render->worker);
-    free(render->cell);
     free(render->pixel);
     free(render->sample);
     free(render->run_of);

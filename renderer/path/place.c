@@ -5,6 +5,10 @@
  * cells follow each other as Owen-scrambled Sobol points do, spread evenly at every length of a batch. A cell
  * holds the same share of a distribution's samples wherever it lies, so it is small at the fovea and grows
  * towards the periphery.
+ *
+ * Nothing here looks at what earlier paths have found. A place that were given fewer paths because it looked
+ * good would keep what it has found, and lack what it has not found yet: the mean of all such places would be
+ * too dark where light is rare.
  */
 #include "path/uv.h"
 #include "render.h"
@@ -15,11 +19,7 @@
 enum {
     CELL = 16,        /* paths in a cell, four by four */
     MOST_CELLS = 256, /* along a side of the square */
-    TRIES = 8,        /* cells looked at for each that is wanted, at the most */
 };
-
-/* Share of its usual samples that a tile still gets when nobody would see what more of them bring. */
-#define FLOOR 0.125f
 
 /* tile * RND_TILE_PIXELS + pixel within it */
 RND_INLINE uint32_t pixel_index(uint32_t across, uint32_t x, uint32_t y)
@@ -71,52 +71,7 @@ static void corner_of(const struct rnd_render *render, uint32_t cell, float out[
     for (int c = 0; c < 2; c++) out[c] = floorf(u[c] * render->grid) / render->grid;
 }
 
-/* Is the tile as good as it can be seen to be? */
-static bool is_quiet(const struct rnd_render *render, const struct rnd_aim *aim, uint32_t index)
-{
-    const struct rnd_tile *tile = &render->film.tile[index].state;
-    if (tile->converged) return true;
-    return render->distribution->follows_gaze &&
-           rnd_tile_settled(render, tile, (int)index % render->film.across, (int)index / render->film.across,
-                            aim->gaze);
-}
-
-/* The tiles in the middle of count cells, SOME at most, from the next one on. */
-static void middles(const struct rnd_render *render, const struct rnd_aim *aim, uint32_t count,
-                    uint32_t *out_tile)
-{
-    float u[2 * SOME], direction[3 * SOME];
-    for (uint32_t k = 0; k < count; k++) {
-        corner_of(render, render->next_cell + k, &u[2 * k]);
-        for (int c = 0; c < 2; c++) u[2 * k + (uint32_t)c] += 0.5f / render->grid;
-    }
-    render->distribution->sample(aim, count, u, direction);
-    pixels_of(&render->film, count, direction, out_tile);
-    for (uint32_t k = 0; k < count; k++) {
-        out_tile[k] /= RND_TILE_PIXELS;
-        __builtin_prefetch(&render->film.tile[out_tile[k]].state);
-    }
-}
-
-/* Choose the next cells. What falls on a quiet tile is mostly passed over, for others to have its samples. */
-static void choose_cells(struct rnd_render *render, const struct rnd_aim *aim, uint32_t cells)
-{
-    uint32_t chosen = 0, spare = (TRIES - 1) * cells, tile[SOME];
-    while (chosen < cells) {
-        const uint32_t count = cells - chosen < SOME ? cells - chosen : SOME;
-        middles(render, aim, count, tile);
-        for (uint32_t k = 0; k < count; k++) {
-            const uint32_t cell = render->next_cell++;
-            if (spare > 0 && is_quiet(render, aim, tile[k]) &&
-                rnd_unit(rnd_hash2(render->seed + 2, cell)) >= FLOOR)
-                spare--;
-            else
-                render->cell[chosen++] = cell;
-        }
-    }
-}
-
-/* Positions of the paths of cells first to end, paths of them in all. */
+/* Positions of the paths of the next cells, first to end of them, paths in all. */
 static void draw(struct rnd_render *render, const struct rnd_aim *aim, uint32_t first, uint32_t end,
                  uint32_t paths)
 {
@@ -125,7 +80,7 @@ static void draw(struct rnd_render *render, const struct rnd_aim *aim, uint32_t 
     for (uint32_t c = first; c < end; c += SOME / CELL) {
         const uint32_t cells = end - c < SOME / CELL ? end - c : SOME / CELL;
         for (uint32_t k = 0; k < cells; k++) {
-            const uint32_t cell = render->cell[c + k], seed = render->seed + 3;
+            const uint32_t cell = render->next_cell + c + k, seed = render->seed + 3;
             float corner[2], *to = &u[2 * CELL * k];
             corner_of(render, cell, corner);
 #pragma GCC ivdep
@@ -208,8 +163,8 @@ void rnd_place(struct rnd_render *render, const struct rnd_aim *aim, uint32_t pa
     struct placing placing = {.render = render, .aim = aim, .paths = paths};
     if (drawn) {
         render->grid = grid_of(render, aim);
-        choose_cells(render, aim, (paths + CELL - 1) / CELL);
         rnd_pool_run(render->pool, draw_turns, &placing);
+        render->next_cell += (paths + CELL - 1) / CELL;
     } else {
         outline(render, paths);
     }

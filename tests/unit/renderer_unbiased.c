@@ -126,6 +126,46 @@ static double render_clamped(const struct rnd_scene *scene, float clamp, int bou
     return sum;
 }
 
+/* Where samples fall does not depend on what earlier ones found: films of a room, of an even world that is
+ * converged after a moment, and of one that stays black but for light that hardly any path finds, have the
+ * same number of paths in every pixel. If they had not, a place that has not yet found its rare light would
+ * be looked at less, and would be too dark. */
+static void light_moves_no_sample(void **state)
+{
+    (void)state;
+    enum { W = 128, H = 64, BATCHES_EACH = 60 };
+    static float samples[3][W * H];
+    static const char *const modes[] = {"od", "vp", "fv", "fv-exact"};
+    files_text("speck.mtl", "newmtl dark\nKd 0 0 0\nnewmtl lamp\nKd 0 0 0\nKe 1e6 1e6 1e6\n");
+    const char *speck = files_text("speck.obj", "mtllib speck.mtl\nusemtl dark\nv 0 -9 0\nv 1e-3 -9 0\n"
+                                                "v 0 -9 1e-3\nf 1 2 3\n");
+    struct rnd_scene *scene[3] = {files_load(files_room("room.obj"), NULL, NULL, NULL)};
+    scene[1] = files_load(speck, files_env("even.exr", 0.5f), NULL, (float[]){0, 0, 0});
+    const char *star = files_text("star.obj", "mtllib speck.mtl\nusemtl lamp\nv 0 -9 0\nv 1e-3 -9 0\n"
+                                              "v 0 -9 1e-3\nf 1 2 3\n");
+    scene[2] = files_load(star, NULL, NULL, (float[]){0, 0, 0});
+    for (size_t m = 0; m < sizeof modes / sizeof *modes; m++) {
+        for (int k = 0; k < 3; k++) {
+            const struct rnd_render_options options = {
+                .width = W, .height = H, .seed = 3, .distribution = rnd_distribution_find(modes[m])};
+            char error[RND_ERROR_SIZE];
+            struct rnd_batch batch;
+            struct rnd_render *render = rnd_render_create(scene[k], &options, error);
+            if (!render) fail_msg("%s", error);
+            const struct rnd_aim aim = files_aim(0.3, 0.2, -1);
+            for (int i = 0; i < BATCHES_EACH; i++) rnd_render_batch(render, &aim, 0, W * H, &batch);
+            rnd_render_resolve(render, NULL, samples[k], NULL);
+            struct rnd_tile tiles[2];
+            rnd_render_tiles(render, tiles);
+            if (k == 1 && m == 0) assert_true(tiles[0].converged && tiles[1].converged);
+            rnd_render_destroy(render);
+        }
+        assert_memory_equal(samples[0], samples[1], sizeof samples[0]);
+        assert_memory_equal(samples[0], samples[2], sizeof samples[0]);
+    }
+    for (int k = 0; k < 3; k++) rnd_scene_destroy(scene[k]);
+}
+
 /* The clamp is off unless asked for, and what it costs is told: the room's mean radiance with indirect light
  * clamped, of that without. Only what came by way of a second surface is less, however it was found: direct
  * light is not, neither when it was chosen nor when a direction of the surface met it. */
@@ -194,7 +234,8 @@ static void dark_is_as_sure(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(gaze_is_no_bias), cmocka_unit_test(clamp_darkens),
-                                       cmocka_unit_test(dark_is_as_sure)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(gaze_is_no_bias),
+                                       cmocka_unit_test(light_moves_no_sample),
+                                       cmocka_unit_test(clamp_darkens), cmocka_unit_test(dark_is_as_sure)};
     return cmocka_run_group_tests_name("renderer_unbiased", tests, files_setup, files_teardown);
 }
