@@ -4,38 +4,169 @@
 #include "render.h"
 #include "sphere.h"
 
-/* Half-buffer error is one draw a pixel, so a tile is judged by many pixels and twice in a row, and never
- * while a pixel has few paths: what stops early by luck stays wrong for ever. */
-enum { LEAST_PIXELS = 64, LEAST_PATHS = 16 };
+#include <stdlib.h>
 
-/* Luminance below which the error is absolute: a black tile is not judged by its own darkness. */
-#define DARK 1e-3f
+/* The difference of two halves is one draw per pixel, so that errors are taken over blocks of pixels and at
+ * two judgements in a row, and a tile is not called good while one of its pixels has few paths. */
+enum { LEAST_PATHS = 16, LEAST_PIXELS = 16 };
 
-void rnd_judge(struct rnd_film_tile *tile, float error_bar)
+/* Blocks of a tile that may be worse than what is said of it: one in so many. */
+enum { WORSE_BLOCKS = 20, WORSE = RND_TILE_BLOCKS / WORSE_BLOCKS };
+
+/* Share of the picture that tiles of coarser grain than what is said of it may have. */
+#define COARSER 0.1f
+
+/* Luminance, as a share of the picture's brightness, below which an error is relative to this share of the
+ * brightness: where it is much darker than elsewhere, an eye that has adapted to the picture sees less. */
+#define DARK 0.01f
+
+/* With a probability of 95 % what has not been found in N trials has a share of less than 3 / N (the rule of
+ * three: Hanley and Lippman-Hand 1983). */
+#define RULE_OF_THREE 3.0f
+
+/* The largest few of up to RND_TILE_BLOCKS values. */
+struct largest {
+    int count; /* of all values */
+    float value[WORSE + 1];
+};
+
+static void largest_add(struct largest *largest, float value)
+{
+    largest->count++;
+    for (int i = 0; i <= WORSE; i++)
+        if (largest->count <= i + 1 || value > largest->value[i]) {
+            const float next = largest->value[i];
+            largest->value[i] = value;
+            value = next;
+        }
+}
+
+/* What one value in WORSE_BLOCKS exceeds; 0 of none. */
+static float largest_but_few(const struct largest *largest)
+{
+    return largest->count > 0 ? largest->value[largest->count / WORSE_BLOCKS] : 0.0f;
+}
+
+struct block {
+    uint32_t visited, judged,
+        least;                  /* pixels with paths, with paths in both halves; fewest paths of a pixel */
+    bool black;                 /* a pixel has paths, and all of them found nothing */
+    double paths, light;        /* sums over pixels: paths, mean luminance */
+    double square, spread, lit; /* over the judged ones: squared error, variance of a path, luminance */
+};
+
+static void add_up(const struct rnd_film_tile *tile, uint32_t index, struct block *out)
 {
     const struct rnd_film_pixels *pixels = tile->pixels;
-    double square = 0.0, light = 0.0;
-    uint32_t judged = 0, visited = 0, least = UINT32_MAX;
-    for (int i = 0; i < RND_TILE_PIXELS; i++) {
+    const uint32_t side = RND_TILE / RND_BLOCK;
+    const uint32_t first = index / side * RND_BLOCK * RND_TILE + index % side * RND_BLOCK;
+    *out = (struct block){.least = UINT32_MAX};
+    for (uint32_t k = 0; k < RND_BLOCK * RND_BLOCK; k++) {
+        const uint32_t i = first + k / RND_BLOCK * RND_TILE + k % RND_BLOCK;
         const uint32_t even = pixels->count[0][i], odd = pixels->count[1][i], n = even + odd;
-        least = n < least ? n : least;
+        out->least = n < out->least ? n : out->least;
         if (n == 0) continue;
-        const float a = even ? rnd_luminance(pixels->half[0][i]) : 0.0f,
-                    b = odd ? rnd_luminance(pixels->half[1][i]) : 0.0f;
-        light += (a + b) / n;
-        visited++;
+        const double a = even ? rnd_luminance(pixels->half[0][i]) : 0.0,
+                     b = odd ? rnd_luminance(pixels->half[1][i]) : 0.0, mean = (even * a + odd * b) / n;
+        out->visited++;
+        out->paths += n;
+        out->light += mean;
+        out->black |= mean <= 0.0;
         if (odd == 0 || even == 0) continue;
-        const double d = a / even - b / odd;
-        square += 0.25 * d * d;
-        judged++;
+        const double d = a - b;
+        out->judged++;
+        out->square += 0.25 * d * d;
+        out->spread += 0.25 * d * d * n;
+        out->lit += mean;
     }
-    if (judged < LEAST_PIXELS) return;
-    tile->state.luminance = (float)(light / visited);
-    tile->state.error = (float)sqrt(square / judged) / fmaxf(tile->state.luminance, DARK);
-    const bool below = tile->state.error <= error_bar && least >= LEAST_PATHS;
-    tile->state.converged = below && tile->passed;
-    tile->passed = below;
 }
+
+/* Relative standard error of a block's pixels. Where a pixel found nothing, there may be light that no path
+ * has met so far: as much as is just likely, of paths that each bring what paths bring elsewhere in the
+ * picture. */
+static float block_error(const struct rnd_film *film, const struct block *block)
+{
+    const double mean = block->light / block->visited;
+    const double error = sqrt(block->square / block->judged) / fmax(mean, DARK * film->brightness);
+    if (!block->black) return (float)error;
+    if (film->brightness <= 0.0f) return INFINITY;
+    return (float)fmax(error, RULE_OF_THREE * film->grain / (block->paths * film->brightness));
+}
+
+void rnd_judge(const struct rnd_film *film, struct rnd_film_tile *tile)
+{
+    struct largest error = {0}, grain = {0};
+    double light = 0.0;
+    uint32_t visited = 0, least = UINT32_MAX;
+    for (uint32_t i = 0; i < RND_TILE_BLOCKS; i++) {
+        struct block block;
+        add_up(tile, i, &block);
+        light += block.light;
+        visited += block.visited;
+        least = block.least < least ? block.least : least;
+        if (block.judged < LEAST_PIXELS) continue;
+        largest_add(&error, block_error(film, &block));
+        if (block.lit > 0.0) largest_add(&grain, (float)(block.spread / block.lit));
+    }
+    if (error.count == 0) return;
+    tile->state.luminance = (float)(light / visited);
+    tile->grain = largest_but_few(&grain);
+    const float now = largest_but_few(&error), sure = least >= LEAST_PATHS ? now : INFINITY;
+    tile->state.error = now;
+    tile->state.sure_error = fmaxf(sure, tile->former_error);
+    tile->state.converged = tile->state.sure_error <= film->error_bar;
+    tile->former_error = sure;
+}
+
+/* --- the picture as a whole --- */
+
+static int ascending(const void *a, const void *b)
+{
+    const struct rnd_weighed *p = a, *q = b;
+    return (p->value > q->value) - (p->value < q->value);
+}
+
+/* The value below which that share of the weight lies; 0 of none. */
+static float quantile(struct rnd_weighed *list, size_t count, float share)
+{
+    double sum = 0.0, below = 0.0;
+    qsort(list, count, sizeof *list, ascending);
+    for (size_t i = 0; i < count; i++) sum += list[i].weight;
+    for (size_t i = 0; i < count; i++)
+        if ((below += list[i].weight) >= share * sum) return list[i].value;
+    return 0.0f;
+}
+
+void rnd_film_survey(struct rnd_film *film)
+{
+    const int tiles = film->across * film->down;
+    struct rnd_weighed *list = film->weighed;
+    double light = 0.0, weights = 0.0;
+    size_t judged = 0, lit = 0;
+    film->next_survey = film->paths + film->paths / 4 + 16 * (uint64_t)tiles; /* so that it costs little */
+    for (int t = 0; t < tiles; t++) {
+        const struct rnd_film_tile *tile = &film->tile[t];
+        const float row = (float)(t / film->across) + 0.5f,
+                    weight = sinf((float)M_PI * row / (float)film->down);
+        if (tile->grain < 0.0f) continue;
+        list[judged++] = (struct rnd_weighed){tile->state.luminance, weight};
+        light += (double)weight * tile->state.luminance;
+        weights += weight;
+    }
+    if (judged == 0) return;
+    film->brightness = quantile(list, judged, 0.5f);
+    if (film->brightness <= 0.0f) film->brightness = (float)(light / weights); /* most of it is black */
+    for (int t = 0; t < tiles; t++) {
+        const struct rnd_film_tile *tile = &film->tile[t];
+        const float row = (float)(t / film->across) + 0.5f,
+                    weight = sinf((float)M_PI * row / (float)film->down);
+        if (tile->grain >= 0.0f && tile->state.luminance > 0.0f)
+            list[lit++] = (struct rnd_weighed){tile->grain, weight};
+    }
+    film->grain = quantile(list, lit, 1.0f - COARSER);
+}
+
+/* --- what an eye sees --- */
 
 float rnd_visible_error(float eccentricity_deg, float pixels_per_degree)
 {
@@ -44,24 +175,42 @@ float rnd_visible_error(float eccentricity_deg, float pixels_per_degree)
     return 0.5f * pixels_per_degree / (64.0f * sqrtf(1.5f * (float)M_PI) * f * expf(-k * f));
 }
 
+static float dot2(const float a[2], const float b[2])
+{
+    return a[0] * b[0] + a[1] * b[1];
+}
+
+static float cross2(const float a[2], const float b[2])
+{
+    return a[0] * b[1] - a[1] * b[0];
+}
+
+float rnd_tile_cosine(const struct rnd_film *film, int x, int y, const float gaze[3])
+{
+    float u, v;
+    rnd_v3_to_uv(rnd_v3(gaze[0], gaze[1], gaze[2]), &u, &v);
+    const float half = 0.5f / (float)film->across, top = (float)y / (float)film->down,
+                bottom = (float)(y + 1) / (float)film->down;
+    float turn = u - ((float)x + 0.5f) / (float)film->across; /* from its middle meridian */
+    turn = fabsf(turn - roundf(turn));
+    /* Of a parallel, the point nearest in azimuth is the nearest. If the gaze's meridian crosses the tile, it
+     * holds the nearest point; */
+    if (turn <= half) return cosf((float)M_PI * fmaxf(0.0f, fmaxf(top - v, v - bottom)));
+    /* else the nearer edge does: a half circle, to whose plane the gaze is projected. */
+    const float beside = 2.0f * (float)M_PI * (turn - half), high = (float)M_PI * (0.5f - top),
+                low = (float)M_PI * (0.5f - bottom);
+    const float level = sqrtf(gaze[0] * gaze[0] + gaze[2] * gaze[2]);
+    const float at[2] = {level * cosf(beside), gaze[1]};
+    const float end[2][2] = {{cosf(low), sinf(low)}, {cosf(high), sinf(high)}};
+    if (cross2(end[0], at) >= 0.0f && cross2(at, end[1]) >= 0.0f) return sqrtf(dot2(at, at));
+    return fmaxf(dot2(end[0], at), dot2(end[1], at));
+}
+
 bool rnd_tile_settled(const struct rnd_render *render, const struct rnd_tile *tile, int x, int y,
                       const float gaze[3])
 {
-    if (tile->unvisited > 0 || tile->samples == 0) return false;
-    const float step_u = 1.0f / (float)render->film.across, step_v = 1.0f / (float)render->film.down;
-    /* The nearest of the tile's centre and corners to the gaze. Cells are chosen by this, many in a batch:
-     * where the error would be seen at the centre already, it would be nearer by. */
-    static const float place[5][2] = {{0.5f, 0.5f}, {0, 0}, {1, 0}, {0, 1}, {1, 1}};
-    const float ppd = (float)render->film.width / 360.0f;
-    float nearest = 5.0f; /* square of the chord, at most 4 */
-    for (int i = 0; i < 5; i++) {
-        const struct rnd_v3 d =
-            rnd_v3_from_uv(((float)x + place[i][0]) * step_u, ((float)y + place[i][1]) * step_v);
-        const struct rnd_v3 chord = rnd_v3_sub(d, rnd_v3(gaze[0], gaze[1], gaze[2]));
-        const float square = rnd_v3_dot(chord, chord);
-        if (square >= nearest) continue;
-        nearest = square;
-        if (tile->error > rnd_visible_error(glm_deg(2.0f * asinf(0.5f * sqrtf(nearest))), ppd)) return false;
-    }
-    return true;
+    if (tile->unvisited > 0 || tile->samples == 0 || isinf(tile->sure_error)) return false;
+    const float cosine = rnd_tile_cosine(&render->film, x, y, gaze);
+    const float eccentricity_deg = glm_deg(acosf(fmaxf(-1.0f, fminf(1.0f, cosine))));
+    return tile->sure_error <= rnd_visible_error(eccentricity_deg, (float)render->film.width / 360.0f);
 }

@@ -1,5 +1,6 @@
 /* The film's memory, and what is read from it: tiles at any level, the whole picture, its file. */
 #include "large_pages.h"
+#include "fill.h"
 #include "film.h"
 #include "image.h"
 #include "render.h"
@@ -19,10 +20,11 @@ bool rnd_film_init(struct rnd_film *film, int width, int height, float error_bar
     const size_t tiles = (size_t)film->across * (size_t)film->down;
     film->tile = calloc(tiles, sizeof *film->tile);
     film->published = calloc((tiles + 63) / 64, sizeof *film->published);
+    film->weighed = malloc(tiles * sizeof *film->weighed);
     /* Fresh pages of the system cost nothing until a sample falls there. */
     film->pixels = malloc(tiles * sizeof *film->pixels);
     rnd_use_large_pages(film->pixels, tiles * sizeof *film->pixels);
-    if (!film->tile || !film->published || !film->pixels) return false;
+    if (!film->tile || !film->published || !film->weighed || !film->pixels) return false;
     for (size_t t = 0; t < tiles; t++) {
         struct rnd_film_tile *tile = &film->tile[t];
         pthread_mutex_init(&tile->lock, NULL);
@@ -34,11 +36,13 @@ bool rnd_film_init(struct rnd_film *film, int width, int height, float error_bar
 
 void rnd_film_finish(struct rnd_film *film)
 {
-    const int tiles = film->tile && film->published && film->pixels ? film->across * film->down : 0;
+    const int tiles =
+        film->tile && film->published && film->weighed && film->pixels ? film->across * film->down : 0;
     for (int t = 0; t < tiles; t++) pthread_mutex_destroy(&film->tile[t].lock);
     free(film->tile);
     free(film->pixels);
     free(film->published);
+    free(film->weighed);
     *film = (struct rnd_film){0};
 }
 
@@ -100,10 +104,12 @@ void rnd_film_empty(const struct rnd_film *film, struct rnd_film_tile *tile, uin
 {
     pthread_mutex_lock(&tile->lock);
     memset(tile->block, 0, sizeof tile->block);
-    tile->state =
-        (struct rnd_tile){.generation = generation, .unvisited = RND_TILE_PIXELS, .error = INFINITY};
+    tile->state = (struct rnd_tile){
+        .generation = generation, .unvisited = RND_TILE_PIXELS, .error = INFINITY, .sure_error = INFINITY};
     tile->next_judgement = 2 * RND_TILE_PIXELS;
-    tile->passed = tile->spread = false;
+    tile->former_error = INFINITY;
+    tile->grain = -1.0f;
+    tile->spread = false;
     tile->listed = tile->drawn = 0;
     publish(film, tile);
     pthread_mutex_unlock(&tile->lock);
@@ -124,13 +130,18 @@ uint32_t rnd_film_draw_listed(struct rnd_film_tile *tile, uint32_t pixel)
     return number;
 }
 
-static void add_to_pixel(struct rnd_film_pixels *pixels, const struct rnd_sample *sample)
+static void add_to_mean(float mean[3], uint32_t *count, const float rgb[3])
 {
-    const uint32_t h = sample->number & 1;
-    float *sum = pixels->half[h][sample->pixel];
-    /* The half-sums are most of a film: emptying it leaves them as they were, and this is in time. */
-    if (pixels->count[h][sample->pixel]++ == 0) sum[0] = sum[1] = sum[2] = 0.0f;
-    for (int c = 0; c < 3; c++) sum[c] += sample->rgb[c];
+    /* The half-means are most of a film: emptying it leaves them as they were, and this is in time. */
+    if ((*count)++ == 0) mean[0] = mean[1] = mean[2] = 0.0f;
+    const float share = 1.0f / (float)*count;
+    for (int c = 0; c < 3; c++) mean[c] += (rgb[c] - mean[c]) * share;
+}
+
+static void add_to_pixel(struct rnd_film_pixels *pixels, const struct rnd_sample *s)
+{
+    const uint32_t h = s->number & 1;
+    add_to_mean(pixels->half[h][s->pixel], &pixels->count[h][s->pixel], s->rgb);
 }
 
 /* From the list to the pixels. */
@@ -141,11 +152,44 @@ static void spread(struct rnd_film_tile *tile)
     tile->spread = true;
 }
 
-static bool has_listed(const struct rnd_film_tile *tile, uint32_t pixel)
+/* Mean radiance of a pixel, 0 without a path, and how many paths there are. */
+static uint32_t pixel_mean(const struct rnd_film_pixels *pixels, uint32_t i, float out_mean[3])
 {
+    const uint32_t even = pixels->count[0][i], odd = pixels->count[1][i], n = even + odd;
+    const float a = even > 0 ? (float)even / (float)n : 0.0f, b = odd > 0 ? (float)odd / (float)n : 0.0f;
+    for (int c = 0; c < 3; c++)
+        out_mean[c] =
+            (even > 0 ? a * pixels->half[0][i][c] : 0.0f) + (odd > 0 ? b * pixels->half[1][i][c] : 0.0f);
+    return n;
+}
+
+/* The same of a tile whose paths are still listed. */
+static uint32_t listed_mean(const struct rnd_film_tile *tile, uint32_t pixel, float out_mean[3])
+{
+    uint32_t n = 0;
+    out_mean[0] = out_mean[1] = out_mean[2] = 0.0f;
     for (uint32_t i = 0; i < tile->listed; i++)
-        if (tile->list[i].pixel == pixel) return true;
-    return false;
+        if (tile->list[i].pixel == pixel) add_to_mean(out_mean, &n, tile->list[i].rgb);
+    return n;
+}
+
+static void add(struct rnd_film_tile *tile, const struct rnd_sample *s)
+{
+    const uint32_t x = s->pixel % RND_TILE, y = s->pixel / RND_TILE;
+    struct rnd_film_block *block = &tile->block[y / RND_BLOCK * (RND_TILE / RND_BLOCK) + x / RND_BLOCK];
+    float mean[3];
+    const uint32_t n =
+        tile->spread ? pixel_mean(tile->pixels, s->pixel, mean) : listed_mean(tile, s->pixel, mean);
+    const double share = 1.0 / (double)(n + 1);
+    for (int c = 0; c < 3; c++) block->light[c] += ((double)s->rgb[c] - (double)mean[c]) * share;
+    block->visited += n == 0;
+    block->lit += rnd_luminance(mean) <= 0.0f && rnd_luminance(s->rgb) > 0.0f;
+    block->paths++;
+    tile->state.unvisited -= n == 0;
+    if (tile->spread)
+        add_to_pixel(tile->pixels, s);
+    else
+        tile->list[tile->listed++] = *s;
 }
 
 void rnd_film_add(const struct rnd_film *film, struct rnd_film_tile *tile, const struct rnd_sample *samples,
@@ -153,29 +197,17 @@ void rnd_film_add(const struct rnd_film *film, struct rnd_film_tile *tile, const
 {
     uint32_t added = 0;
     for (uint32_t i = 0; i < count; i++) added += samples[i].pixel != RND_TILE_PIXELS;
+    if (added == 0) return; /* and the tile does not answer this aim */
     pthread_mutex_lock(&tile->lock);
     if (!tile->spread && tile->listed + added > RND_FEW) spread(tile);
-    for (uint32_t i = 0; i < count; i++) {
-        const struct rnd_sample *s = &samples[i];
-        if (s->pixel == RND_TILE_PIXELS) continue;
-        const uint32_t x = s->pixel % RND_TILE, y = s->pixel / RND_TILE;
-        float *block = tile->block[y / RND_BLOCK * (RND_TILE / RND_BLOCK) + x / RND_BLOCK];
-        if (tile->spread) {
-            tile->state.unvisited -= rnd_film_count(tile, s->pixel) == 0;
-            add_to_pixel(tile->pixels, s);
-        } else {
-            tile->state.unvisited -= !has_listed(tile, s->pixel);
-            tile->list[tile->listed++] = *s;
-        }
-        for (int c = 0; c < 3; c++) block[c] += s->rgb[c];
-        block[3] += 1.0f;
-    }
+    for (uint32_t i = 0; i < count; i++)
+        if (samples[i].pixel != RND_TILE_PIXELS) add(tile, &samples[i]);
     tile->state.samples += added;
     tile->state.gaze_sequence = aim->sequence;
     tile->state.gaze_ns = aim->time_ns;
     tile->state.aimed_ns = now_ns;
     if (tile->spread && tile->state.samples >= tile->next_judgement) {
-        rnd_judge(tile, film->error_bar);
+        rnd_judge(film, tile);
         tile->next_judgement = tile->state.samples + tile->state.samples / 4;
     }
     publish(film, tile);
@@ -192,40 +224,79 @@ int rnd_render_levels(const struct rnd_render *render)
     return levels;
 }
 
-/* Sums of radiance and counts of a tile at any level: RND_TILE x RND_TILE x 4. */
-struct sums {
-    float value[RND_TILE][RND_TILE][4];
-};
+static void add_part(struct rnd_sum *to, const float mean[3], float paths, float hits)
+{
+    for (int c = 0; c < 3; c++) to->light[c] += mean[c];
+    to->area += 1.0f;
+    to->paths += paths;
+    to->hits += hits;
+}
+
+/* Paths of a pixel that found light, as far as its halves tell: of H such paths alike its mean has a relative
+ * variance of 1 / H. Halves that agree may do so by chance, while there are few paths. */
+static float hits_of(const struct rnd_film_pixels *pixels, uint32_t i, uint32_t paths, const float mean[3])
+{
+    const float bright = rnd_luminance(mean),
+                even = pixels->count[0][i] > 0 ? rnd_luminance(pixels->half[0][i]) : 0.0f,
+                odd = pixels->count[1][i] > 0 ? rnd_luminance(pixels->half[1][i]) : 0.0f;
+    if (bright <= 0.0f) return 0.0f;
+    const float deviation = 0.5f * (even - odd) / bright, most = 2.0f + (float)paths / 16.0f;
+    return fminf((float)paths, fmaxf(1.0f, 1.0f / (deviation * deviation + 1.0f / most)));
+}
+
+/* The same of a block, by its pixels: a Poisson number that is 0 in so many of them. */
+static float block_hits(const struct rnd_film_block *block)
+{
+    if (block->lit == block->visited) return (float)block->paths;
+    const float visited = (float)block->visited;
+    return fminf((float)block->paths, -visited * log1pf(-(float)block->lit / visited));
+}
+
+static void add_blocks(const struct rnd_film_tile *tile, int scale, int left, int top, struct rnd_sums *sums)
+{
+    const int per = scale / RND_BLOCK, n = RND_TILE / RND_BLOCK;
+    for (int i = 0; i < RND_TILE_BLOCKS; i++) {
+        const struct rnd_film_block *block = &tile->block[i];
+        if (block->visited == 0) continue;
+        float mean[3];
+        for (int c = 0; c < 3; c++) mean[c] = (float)fmax(0.0, block->light[c] / block->visited);
+        add_part(&sums->pixel[(top + i / n / per) * RND_TILE + left + i % n / per], mean, (float)block->paths,
+                 block_hits(block));
+    }
+}
+
+static void add_listed(const struct rnd_film_tile *tile, int scale, int left, int top, struct rnd_sums *sums)
+{
+    bool seen[RND_TILE_PIXELS] = {false};
+    for (uint32_t i = 0; i < tile->listed; i++) {
+        const uint32_t pixel = tile->list[i].pixel;
+        float mean[3];
+        if (seen[pixel]) continue;
+        seen[pixel] = true;
+        const uint32_t n = listed_mean(tile, pixel, mean);
+        const int x = (int)pixel % RND_TILE, y = (int)pixel / RND_TILE;
+        add_part(&sums->pixel[(top + y / scale) * RND_TILE + left + x / scale], mean, (float)n,
+                 rnd_luminance(mean) > 0.0f ? 1.0f : 0.0f);
+    }
+}
 
 /* Add a level-0 tile's part, scale pixels of it to one of the sums', from (left, top) of them on. */
-static void add_tile(const struct rnd_film_tile *tile, int scale, int left, int top, struct sums *sums)
+static void add_tile(const struct rnd_film_tile *tile, int scale, int left, int top, struct rnd_sums *sums)
 {
     if (scale >= RND_BLOCK) {
-        const int per = scale / RND_BLOCK, n = RND_TILE / RND_BLOCK;
-        for (int y = 0; y < n; y++)
-            for (int x = 0; x < n; x++) {
-                float *to = sums->value[top + y / per][left + x / per];
-                for (int c = 0; c < 4; c++) to[c] += tile->block[y * n + x][c];
-            }
-        return;
-    }
-    for (uint32_t i = 0; !tile->spread && i < tile->listed; i++) {
-        const int x = (int)tile->list[i].pixel % RND_TILE, y = (int)tile->list[i].pixel / RND_TILE;
-        float *to = sums->value[top + y / scale][left + x / scale];
-        for (int c = 0; c < 3; c++) to[c] += tile->list[i].rgb[c];
-        to[3] += 1.0f;
-    }
-    const struct rnd_film_pixels *pixels = tile->pixels;
-    for (int y = 0; tile->spread && y < RND_TILE; y++)
-        for (int x = 0; x < RND_TILE; x++) {
-            const int i = y * RND_TILE + x;
-            float *to = sums->value[top + y / scale][left + x / scale];
-            for (int h = 0; h < 2; h++) {
-                if (pixels->count[h][i] == 0) continue;
-                for (int c = 0; c < 3; c++) to[c] += pixels->half[h][i][c];
-                to[3] += (float)pixels->count[h][i];
-            }
+        add_blocks(tile, scale, left, top, sums);
+    } else if (!tile->spread) {
+        add_listed(tile, scale, left, top, sums);
+    } else {
+        for (uint32_t i = 0; i < RND_TILE_PIXELS; i++) {
+            float mean[3];
+            const int x = (int)i % RND_TILE, y = (int)i / RND_TILE;
+            const uint32_t n = pixel_mean(tile->pixels, i, mean);
+            if (n == 0) continue;
+            add_part(&sums->pixel[(top + y / scale) * RND_TILE + left + x / scale], mean, (float)n,
+                     hits_of(tile->pixels, i, n, mean));
         }
+    }
 }
 
 static void merge_state(struct rnd_tile *to, const struct rnd_tile *from, bool first)
@@ -238,53 +309,13 @@ static void merge_state(struct rnd_tile *to, const struct rnd_tile *from, bool f
     to->samples += from->samples;
     to->unvisited += from->unvisited;
     to->error = fmaxf(to->error, from->error);
+    to->sure_error = fmaxf(to->sure_error, from->sure_error);
     to->luminance += from->luminance;
     to->converged &= from->converged;
     if (!newer) return;
     to->gaze_sequence = from->gaze_sequence;
     to->gaze_ns = from->gaze_ns;
     to->aimed_ns = from->aimed_ns;
-}
-
-/* Paths after which a pixel that stayed black is taken for black. Before, every light may just have been
- * hidden from the few points that its paths asked from, and black says no more than no path does. */
-enum { SURE_PATHS = 64 };
-
-static bool tells(const float sum[4])
-{
-    return sum[3] >= SURE_PATHS || (sum[3] > 0.0f && sum[0] + sum[1] + sum[2] > 0.0f);
-}
-
-/* Mean of the smallest square around each pixel, by powers of two, that tells something. */
-static bool fill(const struct sums *sums, float *out_rgb)
-{
-    static const int top = 6; /* 2^6 = RND_TILE */
-    _Static_assert(RND_TILE == 64, "the pyramid below is 64 wide");
-    float pyramid[64 * 64 / 3 + 2][4]; /* levels 1..6, one behind the other */
-    const float(*level[7])[4] = {(const float(*)[4])sums->value};
-    float(*next)[4] = pyramid;
-    for (int l = 1; l <= top; l++) {
-        const int n = RND_TILE >> l;
-        for (int i = 0; i < n * n; i++)
-            for (int c = 0; c < 4; c++) {
-                const float(*a)[4] = level[l - 1] + (i / n) * 2 * (2 * n) + (i % n) * 2;
-                next[i][c] = a[0][c] + a[1][c] + a[2 * n][c] + a[2 * n + 1][c];
-            }
-        level[l] = (const float(*)[4])next;
-        next += n * n;
-    }
-    if (level[top][0][3] == 0.0f) return false;
-    for (int y = 0; y < RND_TILE; y++)
-        for (int x = 0; x < RND_TILE; x++) {
-            int l = 0;
-            const float *s = sums->value[y][x];
-            while (!tells(s) && l < top) {
-                l++;
-                s = level[l][(y >> l) * (RND_TILE >> l) + (x >> l)];
-            }
-            for (int c = 0; c < 3; c++) out_rgb[(y * RND_TILE + x) * 3 + c] = s[c] / s[3];
-        }
-    return true;
 }
 
 /* Wait for a thread that is just adding to the tile, but not for one that was put aside meanwhile. */
@@ -304,7 +335,7 @@ bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *
     const struct rnd_film *film = &render->film;
     const int span =
         1 << level; /* level-0 tiles a side; from level 7 on, each is less than a pixel of the sums */
-    struct sums sums = {0};
+    struct rnd_sums sums = {0};
     struct rnd_tile state = {0};
     bool whole = true; /* and not emptied or written in part meanwhile */
     for (int i = 0; i < span * span; i++) {
@@ -324,7 +355,7 @@ bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *
     }
     state.luminance /= (float)(span * span);
     if (out_state) *out_state = state;
-    return whole && fill(&sums, out_rgb);
+    return whole && rnd_fill(&sums, out_rgb);
 }
 
 /* Standard error of a pixel's luminance from its halves; 0 if one is empty. */
@@ -333,7 +364,7 @@ static float pixel_error(const struct rnd_film_tile *tile, int i)
     const struct rnd_film_pixels *pixels = tile->pixels;
     const uint32_t even = pixels->count[0][i], odd = pixels->count[1][i];
     if (odd == 0 || even == 0) return 0.0f;
-    return 0.5f * fabsf(rnd_luminance(pixels->half[0][i]) / even - rnd_luminance(pixels->half[1][i]) / odd);
+    return 0.5f * fabsf(rnd_luminance(pixels->half[0][i]) - rnd_luminance(pixels->half[1][i]));
 }
 
 void rnd_render_resolve(struct rnd_render *render, float *out_rgb, float *out_samples, float *out_error)
@@ -347,14 +378,10 @@ void rnd_render_resolve(struct rnd_render *render, float *out_rgb, float *out_sa
         if (!tile->spread) spread(tile);
         for (int i = 0; i < RND_TILE_PIXELS; i++) {
             const size_t to = (size_t)(top + i / RND_TILE) * film->width + left + i % RND_TILE;
-            float sum[3] = {0}, n = 0.0f;
-            for (int h = 0; h < 2; h++)
-                if (tile->pixels->count[h][i] > 0) {
-                    n += (float)tile->pixels->count[h][i];
-                    for (int c = 0; c < 3; c++) sum[c] += tile->pixels->half[h][i][c];
-                }
-            for (int c = 0; out_rgb && c < 3; c++) out_rgb[3 * to + c] = n > 0.0f ? sum[c] / n : 0.0f;
-            if (out_samples) out_samples[to] = n;
+            float mean[3];
+            const uint32_t n = pixel_mean(tile->pixels, (uint32_t)i, mean);
+            if (out_rgb) memcpy(&out_rgb[3 * to], mean, sizeof mean);
+            if (out_samples) out_samples[to] = (float)n;
             if (out_error) out_error[to] = pixel_error(tile, i);
         }
         pthread_mutex_unlock(&tile->lock);

@@ -18,7 +18,7 @@
 
 enum {
     RND_TILE_PIXELS = RND_TILE * RND_TILE,
-    RND_BLOCK = 8, /* pixels a side of a block, whose sums make the coarse levels cheap */
+    RND_BLOCK = 8, /* pixels a side of a block, whose means make the coarse levels cheap */
     RND_TILE_BLOCKS = (RND_TILE / RND_BLOCK) * (RND_TILE / RND_BLOCK),
     RND_FEW = 32, /* paths of a tile that are listed; the first coarse picture has 16 */
     RND_STATE_WORDS = (sizeof(struct rnd_tile) + 7) / 8,
@@ -31,23 +31,32 @@ struct rnd_sample {
     float rgb[3];
 };
 
-/* The pixels of a tile. */
+/* The pixels of a tile. Means, because sums of many thousand paths would lose what single ones add. */
 struct rnd_film_pixels {
     uint32_t count[2][RND_TILE_PIXELS]; /* paths in each half */
-    float half[2][RND_TILE_PIXELS][3];  /* sums of radiance; without meaning where count is 0 */
+    float half[2][RND_TILE_PIXELS][3];  /* mean radiance of each half; without meaning where count is 0 */
     uint32_t drawn[RND_TILE_PIXELS];    /* paths that positions were drawn for */
+};
+
+/* What a block's pixels hold: its mean is light / visited, each pixel counting alike. Doubles, because what
+ * they gain with every path is small. */
+struct rnd_film_block {
+    double light[3]; /* sum of the mean radiance of pixels */
+    uint64_t paths;
+    uint32_t visited, lit; /* pixels that have paths, that have found light */
 };
 
 struct rnd_film_tile {
     pthread_mutex_t lock; /* guards all that follows, but for what is published and what is drawn */
     struct rnd_tile state;
-    uint64_t next_judgement;         /* samples at which the error is worth a look */
-    bool passed;                     /* the last judgement was below the bar */
-    bool spread;                     /* its paths are in the pixels, and not in the list below */
-    uint32_t listed;                 /* of the list: */
+    uint64_t next_judgement; /* samples at which the error is worth a look */
+    float former_error;      /* sure error: of the last judgement alone, INFINITY before */
+    float grain;             /* radiance that a path brings which finds light; negative before it is known */
+    bool spread;             /* its paths are in the pixels, and not in the list below */
+    uint32_t listed;         /* of the list: */
     struct rnd_sample list[RND_FEW]; /* all its paths, in the order in which they were added */
     struct rnd_film_pixels *pixels;  /* without meaning before they are in use */
-    float block[RND_TILE_BLOCKS][4]; /* sums of radiance, and the count */
+    struct rnd_film_block block[RND_TILE_BLOCKS];
 
     /* The state as it was published last, in the half that the turn names; the next one goes to the other. */
     _Atomic uint32_t turn;
@@ -60,6 +69,11 @@ struct rnd_film_tile {
     uint16_t drawn_list[RND_FEW];
 };
 
+/* A value of a tile, and its solid angle but for a common factor. */
+struct rnd_weighed {
+    float value, weight;
+};
+
 struct rnd_film {
     int width, height; /* pixels */
     int across, down;  /* tiles */
@@ -68,6 +82,11 @@ struct rnd_film {
     struct rnd_film_pixels *pixels; /* theirs, in the same order */
     _Atomic uint64_t
         *published; /* a bit for each tile: it was, and rnd_render_published() has not told so yet */
+    /* Of the picture as a whole, by rnd_film_survey(); it changes between batches only. */
+    float brightness; /* luminance that tiles have: the median, or the mean where most are black; 0 before */
+    float grain;      /* of tiles: what one in ten exceeds */
+    uint64_t paths, next_survey;
+    struct rnd_weighed *weighed; /* room for one for each tile */
 };
 
 bool rnd_film_init(struct rnd_film *film, int width, int height, float error_bar);
@@ -94,6 +113,13 @@ void rnd_film_add(const struct rnd_film *film, struct rnd_film_tile *tile, const
 
 /* converge.c: the tile's error by its half-buffers, and whether it is converged. Call with the lock held,
  * when its paths are in its pixels. */
-void rnd_judge(struct rnd_film_tile *tile, float error_bar);
+void rnd_judge(const struct rnd_film *film, struct rnd_film_tile *tile);
+
+/* converge.c: take the brightness of the picture, and its grain, from the tiles that have been judged. Call
+ * between batches. */
+void rnd_film_survey(struct rnd_film *film);
+
+/* converge.c: cosine of the angle between a direction and the nearest point of a tile. */
+float rnd_tile_cosine(const struct rnd_film *film, int x, int y, const float direction[3]);
 
 #endif

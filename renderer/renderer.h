@@ -193,9 +193,14 @@ void rnd_render_retrace(struct rnd_render *render, const struct rnd_aim *aim, ui
 struct rnd_tile {
     uint64_t samples;   /* paths in it */
     uint32_t unvisited; /* pixels without any */
-    float error;     /* relative standard error of its pixels from the half-buffers; INFINITY before known */
-    float luminance; /* mean, once the error is known */
-    bool converged;  /* error below the bar at two judgements in a row, every pixel with 16 paths or more */
+    /* Relative standard error of its pixels from the half-buffers, that only one in twenty of its blocks of
+     * 8 x 8 pixels exceeds: relative to the block's mean, or to a hundredth of the picture's median if that
+     * is more. Where a pixel has found nothing, what may be there unseen counts too. INFINITY before known.
+     */
+    float error;
+    float sure_error; /* the larger of the last two; INFINITY before all pixels had 16 paths at both */
+    float luminance;  /* mean, once the error is known */
+    bool converged;   /* sure_error is not above the bar */
     uint64_t gaze_sequence, gaze_ns, aimed_ns; /* of the newest batch that reached it */
     uint32_t generation;                       /* how often the render had been restarted before all this */
 };
@@ -211,19 +216,20 @@ void rnd_render_tiles(struct rnd_render *render, struct rnd_tile *out_tiles);
  * all. It never waits for a batch, and costs what has changed. For one thread. */
 uint32_t rnd_render_published(struct rnd_render *render, struct rnd_tile *tiles, uint32_t *out_index);
 
-/* Is the tile's error below what the eye can see at that eccentricity? Contrast threshold by Geisler and
- * Perry 1998: white noise of relative standard error s has contrast s f sqrt(1.5 pi) / p in an octave around
- * f cycles per degree at p pixels per degree; it is visible where that times 64 exp(-0.106 f (e + 2.3) / 2.3)
- * exceeds 1/2. */
+/* Is the tile's sure_error below what the eye can see at the eccentricity of its nearest point? Contrast
+ * threshold by Geisler and Perry 1998: white noise of relative standard error s has contrast s f sqrt(1.5 pi)
+ * / p in an octave around f cycles per degree at p pixels per degree; it is visible where that times 64
+ * exp(-0.106 f (e + 2.3) / 2.3) exceeds 1/2. */
 float rnd_visible_error(float eccentricity_deg, float pixels_per_degree);
 bool rnd_tile_settled(const struct rnd_render *render, const struct rnd_tile *tile, int x, int y,
                       const float gaze[3]);
 
-/* Mean radiance of the tile (x, y) at a level: RND_TILE x RND_TILE x RGB floats. A pixel without a sample,
- * or one that fewer than 64 left black, takes the mean of the smallest square around it, by powers of two
- * within the tile, of which that is not so. False if the tile is empty, or just being emptied; also if a
- * thread that adds to it has been put aside by the system meanwhile: it is worth another try then, a little
- * later. *out_state (may be NULL) sums up the level-0 tiles below it. */
+/* What is to be shown of the tile (x, y) at a level: RND_TILE x RND_TILE x RGB floats, of radiance. Every
+ * pixel of the film counts alike, however many paths it has. A pixel without a path takes the mean of the
+ * smallest square around it, by powers of two within the tile, that has one; one that found no light in few
+ * paths lends from such a square, which keeps its mean: see fill.c. False if the tile is empty, or just being
+ * emptied; also if a thread that adds to it has been put aside by the system meanwhile: it is worth another
+ * try then, a little later. *out_state (may be NULL) sums up the level-0 tiles below it. */
 bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *out_rgb,
                      struct rnd_tile *out_state);
 
@@ -232,8 +238,8 @@ bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *
  * All of it is of one generation: a restart waits until it is read. */
 void rnd_render_resolve(struct rnd_render *render, float *out_rgb, float *out_samples, float *out_error);
 
-/* Write the film as EXR: R, G, B, "samples", "error" (half floats where these hold the values), marked as an equirectangular environment for 360
- * viewers. */
+/* Write the film as EXR: R, G, B, "samples", "error" (half floats where these hold the values), marked as an
+ * equirectangular environment for 360 viewers. */
 bool rnd_render_save(struct rnd_render *render, const char *path, char out_error[RND_ERROR_SIZE]);
 
 /* --- images
@@ -249,8 +255,9 @@ float *rnd_image_read(const char *path, int *out_width, int *out_height, bool *o
 float *rnd_image_read_channel(const char *path, const char *channel, int *out_width, int *out_height,
                               char out_error[RND_ERROR_SIZE]);
 
-/* Write RGB floats, linear: .exr as half floats where these hold them, else as floats; .png, .jpg and what else OpenImageIO writes as 8-bit sRGB,
- * clamped. equirectangular: mark the file as a 360-degree panorama. The file appears whole or not at all. */
+/* Write RGB floats, linear: .exr as half floats where these hold them, else as floats; .png, .jpg and what
+ * else OpenImageIO writes as 8-bit sRGB, clamped. equirectangular: mark the file as a 360-degree panorama.
+ * The file appears whole or not at all. */
 bool rnd_image_write(const char *path, int width, int height, const float *rgb, bool equirectangular,
                      char out_error[RND_ERROR_SIZE]);
 

@@ -79,8 +79,10 @@ static void trace_wave(struct rnd_render *render, struct rnd_worker *worker, uin
         const struct rnd_film_pixels *pixels =
             &render->film.pixels[render->run[render->run_of[first + i]].tile];
         float *rgb = sample->rgb;
-        __builtin_prefetch(pixels->half[sample->number & 1][sample->pixel], 1);
-        __builtin_prefetch(&pixels->count[sample->number & 1][sample->pixel], 1);
+        for (int h = 0; h < 2; h++) {
+            __builtin_prefetch(pixels->half[h][sample->pixel], 1);
+            __builtin_prefetch(&pixels->count[h][sample->pixel], 1);
+        }
         worker->not_finite += !finite;
         rgb[0] = finite ? r : 0.0f;
         rgb[1] = finite ? g : 0.0f;
@@ -229,6 +231,8 @@ static void run(struct work *work, bool drawn, struct rnd_batch *out_batch)
         out_batch->film_seconds += 1e-9 * (double)worker->film_ns;
         rnd_tracer_stages(worker->tracer, out_batch);
     }
+    render->film.paths += out_batch->paths;
+    if (render->film.paths >= render->film.next_survey) rnd_film_survey(&render->film);
     out_batch->seconds = 1e-9 * (double)(now_ns() - start);
 }
 
@@ -376,6 +380,8 @@ void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene
     for (int i = 0; i < render->workers; i++) rnd_tracer_scene(render->worker[i].tracer, scene);
     choose_evenly(render);
     render->next_cell = 0;
+    render->film.brightness = render->film.grain = 0.0f;
+    render->film.paths = render->film.next_survey = 0;
     render->generation++;
     struct emptying emptying = {.render = render};
     pthread_mutex_lock(&render->whole);

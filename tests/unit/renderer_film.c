@@ -3,21 +3,23 @@
 
 /* --- reading --- */
 
-/* Mean of the smallest square around a pixel of a tile, by powers of two, that holds a path: from the whole
- * level's sums, plainly. False if there is none in the tile. */
-static bool mean_around(const double (*sums)[4], int width, int x, int y, double out[3])
+/* Mean of a square of side x side values, from (x, y) on: that of those of its four quarters that have a
+ * path. False if none has. */
+static bool square_mean(const double (*pixel)[4], int width, int x, int y, int side, double out[3])
 {
-    for (int side = 1; side <= RND_TILE; side *= 2) {
-        double sum[4] = {0};
-        for (int dy = 0; dy < side; dy++)
-            for (int dx = 0; dx < side; dx++)
-                for (int c = 0; c < 4; c++)
-                    sum[c] += sums[(y / side * side + dy) * width + x / side * side + dx][c];
-        if (sum[3] == 0.0 || (side < RND_TILE && sum[3] < 64.0 && sum[0] + sum[1] + sum[2] <= 0.0)) continue;
-        for (int c = 0; c < 3; c++) out[c] = sum[c] / sum[3];
-        return true;
+    if (side == 1) {
+        memcpy(out, pixel[y * width + x], 3 * sizeof *out);
+        return pixel[y * width + x][3] > 0.0;
     }
-    return false;
+    double sum[3] = {0}, parts = 0.0;
+    for (int i = 0; i < 4; i++) {
+        double part[3];
+        if (!square_mean(pixel, width, x + i % 2 * side / 2, y + i / 2 * side / 2, side / 2, part)) continue;
+        for (int c = 0; c < 3; c++) sum[c] += part[c];
+        parts += 1.0;
+    }
+    for (int c = 0; c < 3; c++) out[c] = parts > 0.0 ? sum[c] / parts : 0.0;
+    return parts > 0.0;
 }
 
 static void assert_state(const struct rnd_tile *whole, const struct rnd_tile *parts, int span, int x, int y)
@@ -29,6 +31,7 @@ static void assert_state(const struct rnd_tile *whole, const struct rnd_tile *pa
         sum.samples += part->samples;
         sum.unvisited += part->unvisited;
         sum.error = fmaxf(sum.error, part->error);
+        sum.sure_error = fmaxf(sum.sure_error, part->sure_error);
         sum.converged &= part->converged;
         sum.luminance += part->luminance / (float)(span * span);
         if (part->samples == 0 || part->aimed_ns < sum.aimed_ns) continue;
@@ -38,7 +41,7 @@ static void assert_state(const struct rnd_tile *whole, const struct rnd_tile *pa
     }
     assert_int_equal(whole->samples, sum.samples);
     assert_int_equal(whole->unvisited, sum.unvisited);
-    assert_true(whole->error == sum.error);
+    assert_true(whole->error == sum.error && whole->sure_error == sum.sure_error);
     assert_int_equal(whole->converged, sum.converged);
     assert_true(fabsf(whole->luminance - sum.luminance) <= 1e-5f * sum.luminance);
     assert_int_equal(whole->aimed_ns, sum.aimed_ns);
@@ -46,11 +49,11 @@ static void assert_state(const struct rnd_tile *whole, const struct rnd_tile *pa
     assert_int_equal(whole->gaze_sequence, sum.gaze_sequence);
 }
 
-/* Every level against sums of the film itself. */
+/* Every level against the film itself: what a tile shows has the mean of its pixels. */
 static void assert_levels(struct rnd_render *render)
 {
     static struct film film;
-    static double sums[PIXELS][4];
+    static double pixel[PIXELS][4]; /* mean, and how many pixels of the film it is of */
     static float rgb[RND_TILE * RND_TILE * 3];
     struct rnd_tile tiles[TILES], state;
     rnd_render_resolve(render, film.rgb, film.samples, NULL);
@@ -58,24 +61,26 @@ static void assert_levels(struct rnd_render *render)
     assert_int_equal(rnd_render_levels(render), 3);
     for (int level = 0; level < 3; level++) {
         const int span = 1 << level, width = WIDTH / span, height = HEIGHT / span;
-        memset(sums, 0, sizeof sums);
+        memset(pixel, 0, sizeof pixel);
         for (int i = 0; i < PIXELS; i++) {
-            double *to = sums[i / WIDTH / span * width + i % WIDTH / span];
-            for (int c = 0; c < 3; c++) to[c] += (double)film.rgb[3 * i + c] * film.samples[i];
-            to[3] += film.samples[i];
+            double *to = pixel[i / WIDTH / span * width + i % WIDTH / span];
+            if (film.samples[i] == 0) continue;
+            to[3] += 1.0;
+            for (int c = 0; c < 3; c++) to[c] += ((double)film.rgb[3 * i + c] - to[c]) / to[3];
         }
         for (int t = 0; t < width / RND_TILE * (height / RND_TILE); t++) {
             const int x = t % (width / RND_TILE), y = t / (width / RND_TILE);
             const bool any = rnd_render_read(render, level, x, y, rgb, &state);
+            double mean[3], shown[3] = {0};
             assert_state(&state, tiles, span, x, y);
             assert_int_equal(any, state.samples > 0);
-            for (int i = 0; any && i < RND_TILE * RND_TILE; i++) {
-                double mean[3];
-                assert_true(
-                    mean_around(sums, width, x * RND_TILE + i % RND_TILE, y * RND_TILE + i / RND_TILE, mean));
-                for (int c = 0; c < 3; c++)
-                    assert_float_equal(rgb[3 * i + c], mean[c], 1e-4 * mean[c] + 1e-6);
+            if (!any) continue;
+            for (int i = 0; i < RND_TILE * RND_TILE * 3; i++) {
+                assert_true(rgb[i] >= 0.0f && isfinite(rgb[i]));
+                shown[i % 3] += rgb[i] / (RND_TILE * RND_TILE);
             }
+            assert_true(square_mean(pixel, width, x * RND_TILE, y * RND_TILE, RND_TILE, mean));
+            for (int c = 0; c < 3; c++) assert_float_equal(shown[c], mean[c], 1e-4 * mean[c] + 1e-6);
         }
     }
 }
@@ -108,7 +113,7 @@ static void empty_tiles(void **state)
     uint64_t paths = 0;
     for (int i = 0; i < TILES; i++) {
         paths += tiles[i].samples;
-        assert_true(isinf(tiles[i].error));
+        assert_true(isinf(tiles[i].error) && isinf(tiles[i].sure_error));
         assert_false(tiles[i].converged);
         if (tiles[i].samples == 0) assert_int_equal(tiles[i].unvisited, RND_TILE * RND_TILE);
         assert_false(
@@ -279,13 +284,18 @@ static void settled(void **state)
     struct rnd_render *render = make(room, WIDTH, "od", 1);
     const float ppd = WIDTH / 360.0f;
     const struct rnd_aim ahead = files_aim(0, 0, -1), behind = files_aim(0, 0, 1);
-    struct rnd_tile tile = {.samples = 1, .error = 1.01f * rnd_visible_error(0, ppd)};
+    struct rnd_tile tile = {.samples = 1, .sure_error = 1.01f * rnd_visible_error(0, ppd)};
     /* tile (4, 2) touches the middle of the film: forward */
     assert_false(rnd_tile_settled(render, &tile, 4, 2, ahead.gaze));
     assert_true(rnd_tile_settled(render, &tile, 4, 2, behind.gaze));
     assert_false(rnd_tile_settled(render, &tile, 0, 2, behind.gaze)); /* over the seam */
-    tile.error *= 0.98f;
+    /* a gaze near the middle of an edge of tile (4, 2), inside it */
+    float inside[3];
+    rnd_direction(3.0f * (float)M_PI / 180, -22.5f * (float)M_PI / 180, inside);
+    assert_false(rnd_tile_settled(render, &tile, 4, 2, inside));
+    tile.sure_error *= 0.98f;
     assert_true(rnd_tile_settled(render, &tile, 4, 2, ahead.gaze));
+    assert_true(rnd_tile_settled(render, &tile, 4, 2, inside));
     tile.unvisited = 1;
     assert_false(rnd_tile_settled(render, &tile, 4, 2, ahead.gaze));
     rnd_render_destroy(render);

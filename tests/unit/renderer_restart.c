@@ -36,7 +36,8 @@ static void assert_same(const struct all *one, const struct all *other)
             const struct rnd_tile *a = pairs[i][0], *b = pairs[i][1];
             assert_int_equal(a->samples, b->samples);
             assert_int_equal(a->unvisited, b->unvisited);
-            assert_true(a->error == b->error && a->luminance == b->luminance);
+            assert_true(a->error == b->error && a->sure_error == b->sure_error &&
+                        a->luminance == b->luminance);
             assert_int_equal(a->converged, b->converged);
             assert_int_equal(a->gaze_sequence, b->gaze_sequence);
             assert_int_equal(a->gaze_ns, b->gaze_ns);
@@ -88,6 +89,39 @@ static void as_fresh(void **state)
     look_around(render, 5, 6000);
     read_all(render, &again);
     assert_same(&before, &again);
+    rnd_render_destroy(render);
+}
+
+/* A batch whose aim is stale before it has begun leaves all its paths out: no tile answers its gaze, and a
+ * restart after it is a fresh render all the same. */
+static void left_out(void **state)
+{
+    (void)state;
+    static struct all first, again;
+    struct rnd_tile tiles[TILES];
+    struct rnd_batch batch;
+    const atomic_bool stale = true;
+    struct rnd_aim aim = files_aim(0, 0, -1);
+    aim.sequence = 7;
+    aim.time_ns = 70;
+    aim.stale = &stale;
+    fresh(room, &first);
+    struct rnd_render *render = make(room, WIDTH, "fv", 2);
+    rnd_render_batch(render, &aim, 1, 8000, &batch);
+    assert_int_equal(batch.paths, 0);
+    rnd_render_tiles(render, tiles);
+    for (int t = 0; t < TILES; t++) {
+        assert_int_equal(tiles[t].samples, 0);
+        assert_true(tiles[t].gaze_sequence == 0 && tiles[t].gaze_ns == 0 && tiles[t].aimed_ns == 0);
+    }
+    rnd_render_restart(render, room, rnd_scene_info(room)->eye);
+    look_around(render, 5, 6000);
+    read_all(render, &again);
+    assert_same(&first, &again);
+
+    rnd_render_batch(render, &aim, 9999, 8000, &batch);
+    rnd_render_tiles(render, tiles);
+    for (int t = 0; t < TILES; t++) assert_int_equal(tiles[t].gaze_sequence, again.tiles[t].gaze_sequence);
     rnd_render_destroy(render);
 }
 
@@ -208,7 +242,7 @@ static void readers(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(as_fresh), cmocka_unit_test(empty),
-                                       cmocka_unit_test(readers)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(as_fresh), cmocka_unit_test(left_out),
+                                       cmocka_unit_test(empty), cmocka_unit_test(readers)};
     return cmocka_run_group_tests_name("renderer_restart", tests, setup, teardown);
 }

@@ -1,0 +1,114 @@
+/* What is shown of a tile: the means of its pixels where these are known, and around them what is known of a
+ * larger square, so that every square that has paths shows their mean.
+ *
+ * Squares of pixels form a tree, four to one. The mean of a square is that of those of its four parts that
+ * have a path: by area, and not by paths. From the top of the tree down, every square hands its mean on to
+ * its parts. A part without a path takes the mean of the whole. A part that has found nothing so far, and may
+ * just have been unlucky, takes some of the whole too; and what it takes the others give, each in proportion
+ * to what it has above the mean. So single bright hits are spread over the square that they stand for, and
+ * never over more light than there is.
+ */
+#include "fill.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { TOP = 6 }; /* 2^6 = RND_TILE */
+_Static_assert(RND_TILE == 1 << TOP, "the tree below has so many levels");
+
+/* A part that found nothing is taken for black if it has so many paths, and if so many of them would have
+ * found light were it like the square around it: one in twenty that are finds none of three (the rule of
+ * three: Hanley and Lippman-Hand 1983). */
+#define SURE_PATHS 64.0f
+#define SURE_HITS  3.0f
+
+struct node {
+    float mean[3];
+    float paths, hits; /* 0 paths: nothing is known */
+};
+
+static bool is_black(const struct node *node)
+{
+    return node->mean[0] + node->mean[1] + node->mean[2] <= 0.0f;
+}
+
+static void sum_up(const struct node *const part[4], struct node *out)
+{
+    float parts = 0.0f;
+    *out = (struct node){0};
+    for (int i = 0; i < 4; i++) {
+        if (part[i]->paths <= 0.0f) continue;
+        for (int c = 0; c < 3; c++) out->mean[c] += part[i]->mean[c];
+        out->paths += part[i]->paths;
+        out->hits += part[i]->hits;
+        parts += 1.0f;
+    }
+    for (int c = 0; c < 3 && parts > 1.0f; c++) out->mean[c] /= parts;
+}
+
+/* How little it says that some of the parts found nothing: 0, it is all there is to know, to 1, nothing. */
+static float doubt(const struct node *whole, const struct node *const part[4])
+{
+    float most = 0.0f;
+    for (int i = 0; i < 4; i++) {
+        if (part[i]->paths <= 0.0f || !is_black(part[i])) continue;
+        const float few = 1.0f - part[i]->paths / SURE_PATHS;
+        const float hits = whole->hits / whole->paths * part[i]->paths; /* that would be expected */
+        most = fmaxf(most, fmaxf(few, (SURE_HITS - hits) / (SURE_HITS - 1.0f)));
+    }
+    return fminf(most, 1.0f);
+}
+
+/* Give parts the means to be shown, so that shown is the mean of them all. */
+static void hand_down(const float shown[3], struct node *const part[4])
+{
+    struct node whole;
+    const struct node *const known[4] = {part[0], part[1], part[2], part[3]};
+    sum_up(known, &whole);
+    const float even = doubt(&whole, known);
+    for (int i = 0; i < 4; i++)
+        for (int c = 0; c < 3; c++) {
+            float own = shown[c];
+            if (part[i]->paths > 0.0f && whole.mean[c] > 0.0f)
+                own *= even + (1.0f - even) * (part[i]->mean[c] / whole.mean[c]);
+            part[i]->mean[c] = own;
+        }
+}
+
+/* The four parts of a node of a level. */
+static void parts_of(struct node *finer, int side, int i, struct node *out[4])
+{
+    struct node *first = finer + (i / side) * 2 * (2 * side) + (i % side) * 2;
+    out[0] = first;
+    out[1] = first + 1;
+    out[2] = first + 2 * side;
+    out[3] = first + 2 * side + 1;
+}
+
+bool rnd_fill(const struct rnd_sums *sums, float *out_rgb)
+{
+    struct node tree[RND_TILE * RND_TILE * 4 / 3 + 1], *level[TOP + 1] = {tree}, *part[4];
+    for (int i = 0; i < RND_TILE * RND_TILE; i++) {
+        const struct rnd_sum *sum = &sums->pixel[i];
+        tree[i] = (struct node){.paths = sum->paths, .hits = sum->hits};
+        for (int c = 0; c < 3 && sum->area > 0.0f; c++) tree[i].mean[c] = sum->light[c] / sum->area;
+    }
+    for (int l = 1; l <= TOP; l++) {
+        const int finer = RND_TILE >> (l - 1), side = RND_TILE >> l;
+        level[l] = level[l - 1] + finer * finer;
+        for (int i = 0; i < side * side; i++) {
+            parts_of(level[l - 1], side, i, part);
+            sum_up((const struct node *const[4]){part[0], part[1], part[2], part[3]}, &level[l][i]);
+        }
+    }
+    if (level[TOP]->paths <= 0.0f) return false;
+    for (int l = TOP; l >= 1; l--) {
+        const int side = RND_TILE >> l;
+        for (int i = 0; i < side * side; i++) {
+            parts_of(level[l - 1], side, i, part);
+            hand_down(level[l][i].mean, part);
+        }
+    }
+    for (int i = 0; i < RND_TILE * RND_TILE; i++) memcpy(&out_rgb[3 * i], tree[i].mean, sizeof tree[i].mean);
+    return true;
+}
