@@ -14,7 +14,9 @@ enum {
     VIRTUAL_PATHS = 4096,
     JUDGE_EVERY = 32, /* batches between two looks at whether all tiles have converged */
 };
-static const double SLOWER_TO_BEAR = 1.5, MOST_LONGER = 2.5, MOST_SLOWER = 10, LEAST_OF_BATCH = 0.25;
+/* How many times as long as its threads have of the processors a batch takes on a machine that does nothing
+ * else; and how many times as long as aimed at it may take on one that does. */
+static const double SLOWER_ALONE = 1.3, MOST_LONGER = 8, LEAST_OF_BATCH = 0.5;
 static const uint64_t VIRTUAL_STEP_NS = 5000000;
 static const uint64_t LATELY_NS = 500000000;
 
@@ -113,14 +115,16 @@ static bool book(struct dmn_painter *painter, const struct rnd_batch *batch, uin
     return work.share >= 1;
 }
 
-/* Time of a processor that each thread should have for a batch, where the last one took so many times as long
- * as its threads had. It is longer where they wait for others, since at its end every batch waits for the
- * last of them; but whoever moves their eyes waits for all that passes, so there is an end to that. */
+/* Time of a processor that each thread should have for a batch, where the last one took slower times as long
+ * as its threads had. Where nothing else computes, the batch is to take the time aimed at. Where its threads
+ * wait for others it is longer, since at its end every batch waits for the last of them; but whoever moves
+ * their eyes waits for all that passes, so there is an end to that. Below some length a batch is mostly what
+ * is done once for each. */
 static double aimed_seconds(const struct dmn_painter_options *options, double slower)
 {
-    double longer = fmin(fmax(slower / SLOWER_TO_BEAR, 1), MOST_LONGER);
+    double longer = slower * slower / (SLOWER_ALONE * SLOWER_ALONE);
 
-    return options->batch_seconds * fmax(fmin(longer, MOST_SLOWER / slower), LEAST_OF_BATCH);
+    return options->batch_seconds * fmax(fmin(fmax(longer, 1), MOST_LONGER) / slower, LEAST_OF_BATCH);
 }
 
 /* Paths of the next batch: as many as take about the time aimed at, and no more than are still wanted. The
