@@ -23,7 +23,7 @@ enum {
 static const uint64_t LOOK_NS = 3000000, LONGEST_PAUSE_NS = 100000000;
 enum { LOOK_SHARE = 10 };
 
-static const lws_usec_t TICK_US = 250000;
+static const lws_usec_t TICK_US = 1000000 / DMN_CHECKS_A_SECOND;
 
 /* A connected client. */
 struct peer {

@@ -24,7 +24,7 @@ struct dmn_session {
     struct dmn_common *common;
     char peer[96];
     struct pro_reader reader;
-    uint64_t since_ns; /* the start of what the client is being waited for: Hello, or the rest of a frame */
+    unsigned checks; /* since the client has been waited for, for Hello or for the rest of a frame */
     bool greeted, partial;
 
     Fovea__Encoding encoding;
