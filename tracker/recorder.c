@@ -34,7 +34,7 @@ struct trk_recorder {
     uint64_t sync_ns; /* when they last were */
     bool backlog;     /* a full batch was left in the queue */
     struct trk_sample batch[BATCH];
-    char text[BATCH * TRK_LINE_SIZE];
+    char text[BATCH * TRK_OWN_SIZE];
     char error[TRK_ERROR_SIZE];
 
     pthread_t thread;

@@ -70,13 +70,18 @@ bool trk_world_direction(const struct trk_sample *sample, float out_direction[3]
 /* A recorded log, whole in memory. Samples are ordered by device_ns, which never goes back. arrival_ns of
  * a log's samples is the time of the recording's own host clock where the format has one, else equal to
  * device_ns. */
-enum { TRK_ASSUMED_SIZE = 1024 };
+enum { TRK_ASSUMED_SIZE = 1024, TRK_MAX_SOURCES = 32 };
 
 struct trk_log {
     const char *format; /* name of the format it was read as: static storage */
     size_t count;
     struct trk_sample *samples;     /* count of them; owned by the log */
     char assumed[TRK_ASSUMED_SIZE]; /* what the reader took for granted, one line, "; " between; may be "" */
+    /* The files that it was read from, which are not written over: stat()'s st_dev and st_ino. */
+    struct {
+        uint64_t device, inode;
+    } sources[TRK_MAX_SOURCES];
+    size_t source_count;
 };
 
 /* What a log does not say of itself, or says wrongly. Zero or NULL everywhere is what trk_log_read() does. */
@@ -89,13 +94,17 @@ struct trk_log_options {
     /* The screen of a log in screen coordinates: its width and distance, or its angle across. */
     double screen_width_m, screen_distance_m;
     double screen_fov_deg;
+    /* Which one, where a file holds several recordings: its name, or its participant's, or PARTICIPANT/NAME.
+     */
+    const char *recording;
 };
 
-/* Read a log of any known format, told by what it begins with; gzip is unpacked. On failure returns false
- * with a line in out_error and leaves *out_log empty. Refused: what is no regular file, no rows, a header
- * that is unknown or may be of several formats, time or sequence going back, infinite numbers, directions
- * that are not of unit length where they should be, more than 64 Mi rows or 104 days, more than 2 GiB
- * unpacked. Samples that the tracker lost are in the log, without a direction. The caller frees with
+/* Read a log of any known format, told by what it begins with; gzip is unpacked; "-" is standard input. On
+ * failure returns false with a line in out_error and leaves *out_log empty. Refused: what is no regular file,
+ * no rows, a header that is unknown or may be of several formats, several recordings, time or sequence going
+ * back, a clock that stands, infinite numbers, directions that are not of unit length where they should be,
+ * more than 64 Mi rows or 104 days, more than 2 GiB unpacked. A last row that was cut off is left out, with a
+ * word in assumed. Samples that the tracker lost are in the log, without a direction. The caller frees with
  * trk_log_finish(). */
 bool trk_log_read(const char *path, struct trk_log *out_log, char out_error[TRK_ERROR_SIZE]);
 
@@ -105,8 +114,28 @@ bool trk_log_read_with(const char *path, const struct trk_log_options *options, 
                        char out_error[TRK_ERROR_SIZE]);
 
 /* Write a log; it appears whole or not at all. A path that ends with .tsv.gz is written as BIDS eye tracking,
- * with its sidecar .json beside it (log/bids_write.c); any other in the project's own format (log/own.h). */
-bool trk_log_write(const char *path, const struct trk_log *log, char out_error[TRK_ERROR_SIZE]);
+ * with its sidecar .json beside it (log/bids_write.c); any other in the project's own format (log/own.h). A
+ * file that is there is refused, unless replace is set, and one that the log was read from always. */
+bool trk_log_write(const char *path, const struct trk_log *log, bool replace, char out_error[TRK_ERROR_SIZE]);
+
+/* Was the log read from that file, by whatever name? */
+bool trk_log_is_from(const struct trk_log *log, const char *path);
+
+/* How fast samples follow each other in a log, apart from its gaps: pauses of the recording and losses. */
+struct trk_rate {
+    double hz;          /* 0: there are no two samples, or no time passes */
+    uint64_t step_ns;   /* the mean of the steps that are no gaps */
+    uint64_t middle_ns; /* the middle one of all steps: where they are uneven it says little */
+    size_t gaps; /* steps of more than 2.5 times step_ns for which the steps beside them do not make up */
+    uint64_t longest_ns; /* of the gaps */
+    bool in_bursts;      /* samples come several at once, all the time */
+};
+
+/* False when memory is short. */
+bool trk_log_rate(const struct trk_log *log, struct trk_rate *out_rate);
+
+/* Is the step to sample i, from 1, a gap? */
+bool trk_log_is_gap(const struct trk_log *log, const struct trk_rate *rate, size_t i);
 
 void trk_log_finish(struct trk_log *log);
 

@@ -33,8 +33,8 @@ static const struct ctl_command COMMANDS[] = {
      CTL_JSON | CTL_PPD | CTL_LDR | CTL_MAP, ctl_compare},
     {"gaze info", "LOG", "what a gaze log holds, and what was assumed of it", 1, CTL_JSON | CTL_LOG,
      ctl_gaze_info},
-    {"gaze convert", "LOG OUT", "write it as OUT: .gaze (fovead's own) or _physio.tsv.gz (BIDS)", 2, CTL_LOG,
-     ctl_gaze_convert},
+    {"gaze convert", "LOG OUT", "write it as OUT: .gaze (fovead's own) or _physio.tsv.gz (BIDS)", 2,
+     CTL_LOG | CTL_REPLACE, ctl_gaze_convert},
     {"gaze plot", "LOG OUT", "chart it as OUT, .svg or .png: yaw and pitch over time, path of gaze", 2,
      CTL_LOG, ctl_gaze_plot},
     {0},
@@ -51,7 +51,7 @@ static const char HELP[] =
     "and "
     "stop\n"
     "  --stop                  record: end the recording\n"
-    "  --replace               record: a file of that name may go\n"
+    "  --replace               record, gaze convert: a file of that name may go\n"
     "  --until-finished        watch: until the gaze recording has ended\n"
     "  --view YAW,PITCH,FOV    snapshot: what lies in that direction, in degrees right and up of forward, "
     "with that\n"
@@ -76,6 +76,9 @@ static const char HELP[] =
     "  --frame XYZ             gaze ...: where its +X, +Y and +Z point: L or R, U or D, F or B\n"
     "  --screen WIDTH,DISTANCE gaze ...: of a log in screen coordinates, metres; or one number, degrees "
     "across\n"
+    "  --recording NAME        gaze ...: which one, where a file holds several: its name, its participant's, "
+    "or\n"
+    "                          PARTICIPANT/NAME\n"
     "      --help, --version\n";
 
 static const struct option LONG[] = {
@@ -99,6 +102,7 @@ static const struct option LONG[] = {
     {"time-unit", required_argument, NULL, 'T'},
     {"frame", required_argument, NULL, 'R'},
     {"screen", required_argument, NULL, 'S'},
+    {"recording", required_argument, NULL, 'N'},
     {"help", no_argument, NULL, 'h'},
     {"version", no_argument, NULL, 'V'},
     {0},
@@ -147,6 +151,8 @@ static unsigned bit_of(int option)
         return CTL_LOG_FRAME;
     case 'S':
         return CTL_LOG_SCREEN;
+    case 'N':
+        return CTL_LOG_RECORDING;
     default:
         return 0;
     }
@@ -267,6 +273,9 @@ static bool take(struct ctl *ctl, int option, const char *text)
         return true;
     case 'S':
         return take_screen(ctl, text);
+    case 'N':
+        ctl->log.recording = text;
+        return true;
     default:
         ctl->gaze = text;
         return true;

@@ -8,18 +8,16 @@
 #include "ctl.h"
 #include "tracker.h"
 
-/* A step so many times the usual one is a gap. */
-static const double GAP_STEPS = 2.5;
-
 struct range {
-    double low, high; /* deg; low > high: nothing */
+    double low, high; /* deg, high is above 180 where it goes on past behind; low > high: nothing */
 };
 
 struct summary {
-    double span_s, median_ms, mean_hz;
-    size_t gaps, unseen; /* steps that are too long; samples that sequence numbers say were lost */
-    double longest_ms;   /* gap */
+    double span_s, mean_hz; /* mean_hz counts the gaps */
+    struct trk_rate rate;
+    size_t unseen; /* samples that sequence numbers say were lost */
     size_t gaze, eye[2], pupil[2], head, closed;
+    bool head_moves, head_is_zero;
     struct range head_yaw, head_pitch, world_yaw, world_pitch;
     struct trk_events events;
 };
@@ -40,22 +38,65 @@ static int by_size(const void *a, const void *b)
 
 static bool summarise_time(const struct trk_log *log, struct summary *s)
 {
-    double *steps = malloc(log->count * sizeof(*steps));
     size_t n = log->count - 1;
 
-    if (!steps) return ctl_fail("out of memory");
-    for (size_t i = 0; i < n; i++) {
-        steps[i] = (double)(log->samples[i + 1].device_ns - log->samples[i].device_ns) / 1e6;
-        s->unseen += log->samples[i + 1].sequence - log->samples[i].sequence - 1;
-    }
-    qsort(steps, n, sizeof(*steps), by_size);
+    for (size_t i = 0; i < n; i++) s->unseen += log->samples[i + 1].sequence - log->samples[i].sequence - 1;
     s->span_s = (double)(log->samples[n].device_ns - log->samples[0].device_ns) / 1e9;
-    s->median_ms = n ? steps[n / 2] : 0;
     s->mean_hz = s->span_s > 0 ? (double)n / s->span_s : 0;
-    for (size_t i = n; i-- > 0 && steps[i] > GAP_STEPS * s->median_ms;) s->gaps++;
-    s->longest_ms = s->gaps ? steps[n - 1] : 0;
-    free(steps);
+    return trk_log_rate(log, &s->rate) || ctl_fail("out of memory");
+}
+
+/* The shortest arc that holds all these yaws, which are sorted here: what the widest gap between neighbours
+ * leaves.
+ */
+static struct range arc_of(double *yaw, size_t count)
+{
+    qsort(yaw, count, sizeof(*yaw), by_size);
+    struct range arc = {yaw[0], yaw[count - 1]};
+    double widest = yaw[0] + 360 - yaw[count - 1];
+
+    for (size_t i = 1; i < count; i++) {
+        if (yaw[i] - yaw[i - 1] <= widest) continue;
+        widest = yaw[i] - yaw[i - 1];
+        arc = (struct range){yaw[i], yaw[i - 1] + 360};
+    }
+    return arc;
+}
+
+static bool summarise_yaw(const struct trk_log *log, struct summary *s)
+{
+    double *yaw = malloc(2 * log->count * sizeof(*yaw));
+    size_t n = 0;
+
+    if (!yaw) return ctl_fail("out of memory");
+    for (size_t i = 0; i < log->count; i++) {
+        float world[3];
+
+        if (!trk_world_direction(&log->samples[i], world)) continue;
+        yaw[n] = ctl_yaw_deg(log->samples[i].direction);
+        yaw[log->count + n++] = ctl_yaw_deg(world);
+    }
+    if (n) {
+        s->head_yaw = arc_of(yaw, n);
+        s->world_yaw = arc_of(yaw + log->count, n);
+    }
+    free(yaw);
     return true;
+}
+
+static void summarise_head(const struct trk_log *log, struct summary *s)
+{
+    static const float zero[7] = {0, 0, 0, 0, 0, 0, 1};
+    const struct trk_sample *first = NULL;
+
+    for (size_t i = 0; i < log->count; i++) {
+        if (!(log->samples[i].valid & TRK_HEAD)) continue;
+        if (!first) first = &log->samples[i];
+        s->head++;
+        for (int k = 0; k < 7; k++) s->head_moves |= log->samples[i].head[k] != first->head[k];
+    }
+    s->head_is_zero = first && !s->head_moves;
+    for (int k = 0; k < 7 && s->head_is_zero; k++) s->head_is_zero = first->head[k] == zero[k];
 }
 
 static void widen(struct range *range, double value)
@@ -68,16 +109,13 @@ static void summarise_sample(const struct trk_sample *sample, struct summary *s)
 {
     float world[3];
 
-    s->head += (sample->valid & TRK_HEAD) != 0;
     for (int eye = 0; eye < 2; eye++) {
         s->eye[eye] += (sample->valid & TRK_LEFT_DIRECTION << 4 * eye) != 0;
         s->pupil[eye] += (sample->valid & TRK_LEFT_PUPIL << 4 * eye) != 0;
     }
     if (!trk_world_direction(sample, world)) return;
     s->gaze++;
-    widen(&s->head_yaw, ctl_yaw_deg(sample->direction));
     widen(&s->head_pitch, ctl_pitch_deg(sample->direction));
-    widen(&s->world_yaw, ctl_yaw_deg(world));
     widen(&s->world_pitch, ctl_pitch_deg(world));
 }
 
@@ -88,7 +126,8 @@ static bool summarise(const struct trk_log *log, struct summary *out_summary)
     *out_summary =
         (struct summary){.head_yaw = none, .head_pitch = none, .world_yaw = none, .world_pitch = none};
     for (size_t i = 0; i < log->count; i++) summarise_sample(&log->samples[i], out_summary);
-    if (!summarise_time(log, out_summary)) return false;
+    summarise_head(log, out_summary);
+    if (!summarise_time(log, out_summary) || !summarise_yaw(log, out_summary)) return false;
     return trk_events_find(log, &out_summary->events) || ctl_fail("out of memory");
 }
 
@@ -101,9 +140,10 @@ static double percent(size_t part, const struct trk_log *log)
 
 static void print_ranges(const char *name, const struct range *yaw, const struct range *pitch)
 {
-    if (yaw->low <= yaw->high)
-        printf("  %-12s yaw %.1f to %.1f, pitch %.1f to %.1f degrees\n", name, yaw->low, yaw->high,
-               pitch->low, pitch->high);
+    if (yaw->low > yaw->high) return;
+    printf("  %-12s yaw %.1f to %.1f", name, yaw->low, yaw->high);
+    if (yaw->high > 180) printf(" (past 180, %.1f; %.1f in all)", yaw->high - 360, yaw->high - yaw->low);
+    printf(", pitch %.1f to %.1f degrees\n", pitch->low, pitch->high);
 }
 
 static void print_text(const char *path, const struct trk_log *log, const struct summary *s)
@@ -112,11 +152,14 @@ static void print_text(const char *path, const struct trk_log *log, const struct
 
     printf("%s: %s\n", path, log->format);
     printf("  %-12s %zu in %.3f s\n", "samples", log->count, s->span_s);
-    if (s->median_ms > 0)
-        printf("  %-12s %.1f Hz by the middle step of %.3f ms, %.1f Hz on average\n", "rate",
-               1000 / s->median_ms, s->median_ms, s->mean_hz);
-    printf("  %-12s %zu longer than %g steps", "gaps", s->gaps, GAP_STEPS);
-    if (s->gaps) printf(", the longest %.1f ms", s->longest_ms);
+    if (s->rate.hz > 0) {
+        printf("  %-12s %.1f Hz; middle step of %.3f ms", "rate", s->rate.hz,
+               (double)s->rate.middle_ns / 1e6);
+        if (s->rate.gaps) printf("; %.1f Hz if the gaps are counted", s->mean_hz);
+        putchar('\n');
+    }
+    printf("  %-12s %zu longer than 2.5 steps", "gaps", s->rate.gaps);
+    if (s->rate.gaps) printf(", the longest %.1f ms", (double)s->rate.longest_ns / 1e6);
     if (s->unseen) printf("; by their numbers %zu samples are missing", s->unseen);
     printf("\n  %-12s %.1f %% (%zu lost)", "gaze", percent(s->gaze, log), log->count - s->gaze);
     if (s->eye[0] + s->eye[1])
@@ -125,7 +168,10 @@ static void print_text(const char *path, const struct trk_log *log, const struct
         printf("; pupils %.1f and %.1f %%", percent(s->pupil[0], log), percent(s->pupil[1], log));
     printf("\n  %-12s ", "head pose");
     if (s->head)
-        printf("%.1f %%\n", percent(s->head, log));
+        printf("%.1f %%%s\n", percent(s->head, log),
+               s->head_moves || s->head < 2 ? ""
+               : s->head_is_zero            ? ", but it never moves: all zero"
+                                            : ", but it never moves");
     else
         printf("none\n");
     print_ranges("in the head", &s->head_yaw, &s->head_pitch);
@@ -147,12 +193,13 @@ static bool print_json(const char *path, const struct trk_log *log, const struct
 {
     const size_t *counts = s->events.counts;
     json_t *root = json_pack(
-        "{s:s, s:s, s:I, s:I, s:f, s:f, s:f, s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:I}", "file", path, "format",
-        log->format, "samples", (json_int_t)log->count, "lost", (json_int_t)(log->count - s->gaze), "span_s",
-        s->span_s, "median_step_ms", s->median_ms, "mean_hz", s->mean_hz, "gaps", (json_int_t)s->gaps,
-        "longest_gap_ms", s->longest_ms, "missing", (json_int_t)s->unseen, "left", (json_int_t)s->eye[0],
+        "{s:s, s:s, s:I, s:I, s:f, s:f, s:f, s:f, s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:b}", "file", path,
+        "format", log->format, "samples", (json_int_t)log->count, "lost", (json_int_t)(log->count - s->gaze),
+        "span_s", s->span_s, "rate_hz", s->rate.hz, "median_step_ms", (double)s->rate.middle_ns / 1e6,
+        "mean_hz", s->mean_hz, "gaps", (json_int_t)s->rate.gaps, "longest_gap_ms",
+        (double)s->rate.longest_ns / 1e6, "missing", (json_int_t)s->unseen, "left", (json_int_t)s->eye[0],
         "right", (json_int_t)s->eye[1], "left_pupil", (json_int_t)s->pupil[0], "right_pupil",
-        (json_int_t)s->pupil[1], "head", (json_int_t)s->head);
+        (json_int_t)s->pupil[1], "head", (json_int_t)s->head, "head_moves", s->head_moves);
     json_t *events =
         json_pack("{s:I, s:I, s:I, s:I, s:I, s:f}", "fixations", (json_int_t)counts[TRK_FIXATION], "saccades",
                   (json_int_t)counts[TRK_SACCADE], "pursuits", (json_int_t)counts[TRK_PURSUIT], "blinks",
@@ -215,7 +262,7 @@ int ctl_gaze_convert(const struct ctl *ctl)
                         out),
                2;
     if (!ctl_read_log(ctl, &log)) return 1;
-    good = trk_log_write(out, &log, error) || ctl_fail("%s", error);
+    good = trk_log_write(out, &log, ctl->given & CTL_REPLACE, error) || ctl_fail("%s", error);
     if (good) printf("%s: %zu samples of %s\n", out, log.count, log.format);
     if (good && *log.assumed) printf("assumed: %s\n", log.assumed);
     trk_log_finish(&log);

@@ -51,10 +51,18 @@ static double seconds(const struct trk_log *log, uint64_t time_ns)
     return (double)(time_ns - log->samples[0].device_ns) / 1e9;
 }
 
+/* Is there a gap in the steps after sample first, up to last? */
+static bool is_gap_between(const struct trk_log *log, const struct trk_rate *rate, size_t first, size_t last)
+{
+    for (size_t i = first + 1; i <= last && i < log->count; i++)
+        if (trk_log_is_gap(log, rate, i)) return true;
+    return false;
+}
+
 /* The samples of events of one type, or of all (-1), as lines of time, yaw and pitch; apart where gaze is
- * lost or passes behind the viewer. */
-static void put_path(FILE *out, const char *name, const struct trk_log *log, const struct trk_events *events,
-                     int type)
+ * lost or passes behind the viewer, and at gaps. */
+static void put_path(FILE *out, const char *name, const struct trk_log *log, const struct trk_rate *rate,
+                     const struct trk_events *events, int type)
 {
     size_t step = 1 + log->count / MOST_POINTS, event = 0;
     double last_yaw = NAN;
@@ -64,6 +72,10 @@ static void put_path(FILE *out, const char *name, const struct trk_log *log, con
         float world[3];
         bool is_here;
 
+        if (!isnan(last_yaw) && is_gap_between(log, rate, i - step, i)) {
+            fputc('\n', out);
+            last_yaw = NAN;
+        }
         while (event < events->count && events->events[event].last < i) event++;
         is_here = event < events->count && events->events[event].first <= i &&
                   (int)events->events[event].type == type;
@@ -181,7 +193,7 @@ static void put_charts(FILE *out, const char *path, const struct trk_log *log)
 
 /* gnuplot takes its commands from a pipe; how it went. */
 static bool draw(const char *path, const char *out_path, const struct trk_log *log,
-                 const struct trk_events *events)
+                 const struct trk_rate *rate, const struct trk_events *events)
 {
     bool is_png = ctl_ends_with(out_path, ".png");
     FILE *out = popen("gnuplot >/dev/null 2>&1", "w");
@@ -196,11 +208,11 @@ static bool draw(const char *path, const char *out_path, const struct trk_log *l
     fputs(SETUP, out);
     put_bands(out, log, events);
     put_fixations(out, log, events);
-    put_path(out, "path", log, events, -1);
-    put_path(out, "other", log, events, -1);
-    put_path(out, "fixation", log, events, TRK_FIXATION);
-    put_path(out, "pursuit", log, events, TRK_PURSUIT);
-    put_path(out, "saccade", log, events, TRK_SACCADE);
+    put_path(out, "path", log, rate, events, -1);
+    put_path(out, "other", log, rate, events, -1);
+    put_path(out, "fixation", log, rate, events, TRK_FIXATION);
+    put_path(out, "pursuit", log, rate, events, TRK_PURSUIT);
+    put_path(out, "saccade", log, rate, events, TRK_SACCADE);
     put_charts(out, path, log);
     status = pclose(out);
     if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
@@ -215,13 +227,16 @@ int ctl_gaze_plot(const struct ctl *ctl)
     const char *out = ctl->operand[1];
     struct trk_log log;
     struct trk_events events;
+    struct trk_rate rate;
     bool good = false;
 
     if (!ctl_ends_with(out, ".svg") && !ctl_ends_with(out, ".png"))
         return ctl_fail("%s: expected a name that ends with .svg or .png", out), 2;
     if (!ctl_read_log(ctl, &log)) return 1;
-    if (trk_events_find(&log, &events)) {
-        good = draw(ctl->operand[0], out, &log, &events);
+    if (trk_log_is_from(&log, out)) {
+        ctl_fail("%s: is the log itself, or a file that it was read with; expected another name", out);
+    } else if (trk_log_rate(&log, &rate) && trk_events_find(&log, &events)) {
+        good = draw(ctl->operand[0], out, &log, &rate, &events);
         trk_events_finish(&events);
     } else {
         ctl_fail("out of memory");

@@ -24,8 +24,8 @@ for name in salient360_dynamic.csv eyelink_bino.asc glasses3.gz; do
     "$ctl" gaze info "$log" >"$dir/out"
     has '^  samples      5 in 0.0'
     has '80.0 % (1 lost)'
-    "$ctl" gaze convert "$log" "$dir/x.gaze" >"$dir/out"
-    "$ctl" gaze convert "$dir/x.gaze" "$dir/x_physio.tsv.gz" >"$dir/out"
+    "$ctl" gaze convert --replace "$log" "$dir/x.gaze" >"$dir/out"
+    "$ctl" gaze convert --replace "$dir/x.gaze" "$dir/x_physio.tsv.gz" >"$dir/out"
     "$ctl" gaze info "$dir/x_physio.tsv.gz" >"$dir/out"
     has 'BIDS eye tracking'
     has '80.0 % (1 lost)'

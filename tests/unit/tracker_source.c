@@ -30,7 +30,7 @@ static int write_log(void **state)
         log.samples[i].device_ns = log.samples[i].arrival_ns = times[i];
         log.samples[i].sequence = i < 2 ? 11 + i : 12 + i;
     }
-    bool ok = trk_log_write(path, &log, error);
+    bool ok = trk_log_write(path, &log, true, error);
     trk_log_finish(&log);
     return ok ? 0 : -1;
 }

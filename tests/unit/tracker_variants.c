@@ -113,18 +113,20 @@ static void tobii_glasses_without_units(void **state)
     assert_non_null(strstr(log_read.assumed, "other sensors, skipped: 3"));
 }
 
-/* A display's export may hold directions too, of the display's frame; its points count. Only one eye's here.
- */
+/* A display's export may hold directions too, of the display's frame: they go before points on a screen whose
+ * place would have to be assumed. Only one eye's here. */
 static void tobii_screen_without_units(void **state)
 {
     (void)state;
     reads("Recording timestamp\tGaze point left X\tGaze point left Y\tGaze direction left X\tGaze direction "
           "left "
           "Y\tGaze direction left Z\tValidity left\n"
-          "100\t1383.185\t540\t0\t0\t-1\tValid\n"
-          "117\t960\t116.815\t0\t0\t-1\tValid\n"
+          "100\t1200\t540\t0.173648\t0\t-0.984808\tValid\n"
+          "117\t960\t300\t0\t-0.173648\t-0.984808\tValid\n"
           "133\t960\t540\t0\t0\t-1\tInvalid\n",
           NULL, "Recording timestamp is in ms");
+    assert_non_null(strstr(log_read.assumed, "eyes' directions from the display (DACS)"));
+    assert_null(strstr(log_read.assumed, "screen"));
     is(0, 0, 10, 0);
     is(1, 17, 0, 10);
     lost(2, 33);

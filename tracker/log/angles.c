@@ -73,6 +73,7 @@ static bool begin(struct reader *reader, struct trk_reading *reading, char out_e
             !trk_table_need(&reader->table, &layout->names[i], 1, &reader->place[i], out_error))
             return false;
     }
+    reading->clock_names[0] = reading->header.names[reader->place[TIME]];
     reader->frame = trk_reading_frame(reading, "RUF");
     if (!trk_reading_signs(reading, "RUF", reader->signs, out_error)) return false;
     reader->unit_ns = layout->unit_ns > 0
@@ -129,7 +130,7 @@ static bool read_row(void *context, struct trk_sample *sample, char out_error[TR
             return false;
         trk_set_origin(sample, eye, centre, 1, &reader->frame);
     }
-    trk_combine(sample);
+    reader->table.reading->eyes_mean += trk_combine(sample);
     return true;
 }
 
@@ -162,7 +163,7 @@ static bool read_pymovements(struct trk_reading *reading, char out_error[TRK_ERR
 const struct trk_log_format trk_log_gazebase = {
     .id = "gazebase",
     .name = "GazeBase",
-    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME,
+    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME | TRK_TAKES_RECORDING,
     .columns = {"n", "x", "y", "val", "dP", "lab"},
     .read = read_gazebase,
 };
@@ -170,7 +171,7 @@ const struct trk_log_format trk_log_gazebase = {
 const struct trk_log_format trk_log_gazebase_vr = {
     .id = "gazebase-vr",
     .name = "GazeBaseVR",
-    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME,
+    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME | TRK_TAKES_RECORDING,
     .columns = {"n", "x", "y", "lx", "rx", "clx"},
     .read = read_gazebase_vr,
 };
@@ -178,7 +179,7 @@ const struct trk_log_format trk_log_gazebase_vr = {
 const struct trk_log_format trk_log_pymovements = {
     .id = "pymovements",
     .name = "pymovements",
-    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME,
+    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME | TRK_TAKES_RECORDING,
     .columns = {"time", "position_x", "position_y", "pixel_x"},
     .read = read_pymovements,
 };

@@ -45,9 +45,8 @@ static bool add_attribute(struct trk_reading *reading, char *header, const char 
     size_t used = strlen(header);
     text += strspn(text, " \t'\"");
     size_t length = strcspn(text, " \t'\"");
-    if (length == 0 || memchr(text, ',', length) || used + length + 2 > sizeof reading->header.line)
-        return false;
-    snprintf(header + used, sizeof reading->header.line - used, "%s%.*s", used ? "," : "", (int)length, text);
+    if (length == 0 || memchr(text, ',', length) || used + length + 2 > sizeof reading->scratch) return false;
+    snprintf(header + used, sizeof reading->scratch - used, "%s%.*s", used ? "," : "", (int)length, text);
     return true;
 }
 
@@ -56,7 +55,7 @@ static bool read_declarations(struct reader *reader, struct trk_reading *reading
 {
     struct trk_lines *lines = &reading->lines;
     enum trk_line line = TRK_LINE;
-    for (; line == TRK_LINE; line = trk_lines_next(lines, out_error)) {
+    for (; line == TRK_LINE; line = trk_next_row(reading, out_error)) {
         const char *text = lines->text + strspn(lines->text, " \t");
         if (starts(text, "@data")) break;
         if (starts(text, "@relation") && !strcasestr(text, "gaze_360"))
@@ -75,8 +74,10 @@ static bool read_declarations(struct reader *reader, struct trk_reading *reading
             return trk_lines_fail(lines, out_error,
                                   "no size of the panorama, expected %%@METADATA %s_px before @DATA",
                                   i ? "height" : "width");
-    trk_header_parse(&reading->header, header);
+    trk_header_parse(&reading->header, header, ',');
     trk_table_init(&reader->table, reading);
+    reader->table.comment = '%';
+    reading->clock_names[0] = names[TIME];
     for (int i = 0; i < COLUMNS; i++) reader->place[i] = trk_header_find(&reading->header, names[i]);
     return trk_table_need(&reader->table, names, Y + 1, reader->place, out_error);
 }
@@ -89,12 +90,13 @@ static bool angles_of(const struct reader *reader, double x, double y, double *o
     return fabs(*out_pitch) <= 90.5 && fabs(*out_yaw) <= 720;
 }
 
-static bool read_row(struct reader *reader, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
+static bool read_row(void *context, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
 {
+    struct reader *reader = context;
     struct trk_table *table = &reader->table;
     double value[COLUMNS], yaw, pitch;
     int64_t time_ns;
-    *sample = (struct trk_sample){.sequence = ++reader->sequence};
+    sample->sequence = ++reader->sequence;
     if (!trk_table_time(table, reader->place[TIME], trk_time_unit(table->reading, 1e3), &time_ns,
                         out_error) ||
         !trk_log_clock_count(&reader->clock, time_ns, &table->reading->lines, &sample->device_ns, out_error))
@@ -124,29 +126,16 @@ static bool read_row(struct reader *reader, struct trk_sample *sample, char out_
     return true;
 }
 
-static bool read_rows(struct reader *reader, struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
-{
-    struct trk_lines *lines = &reading->lines;
-    for (;;) {
-        struct trk_sample sample;
-        enum trk_line line = trk_lines_next(lines, out_error);
-        if (line == TRK_LINE_FAILED) return false;
-        if (line == TRK_LINE_END) break;
-        if (lines->text[0] == '\0' || lines->text[0] == '%') continue;
-        if (trk_table_split(&reader->table, out_error) != TRK_LINE || !read_row(reader, &sample, out_error) ||
-            !trk_log_append(reading, &sample, out_error))
-            return false;
-    }
-    if (reader->place[X_HEAD] >= 0) trk_assume(reading, "a positive roll is the head's tilt to the left");
-    if (reader->clock.held) trk_assume(reading, "times that go back, held: %zu", reader->clock.held);
-    return true;
-}
-
 static bool read_arff(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
 {
     struct reader reader = {0};
-    char header[TRK_LINE_SIZE] = "";
-    return read_declarations(&reader, reading, header, out_error) && read_rows(&reader, reading, out_error);
+    reading->scratch[0] = '\0';
+    if (!read_declarations(&reader, reading, reading->scratch, out_error) ||
+        !trk_table_read(&reader.table, read_row, &reader, out_error))
+        return false;
+    if (reader.place[X_HEAD] >= 0) trk_assume(reading, "a positive roll is the head's tilt to the left");
+    if (reader.clock.held) trk_assume(reading, "times that go back, held: %zu", reader.clock.held);
+    return true;
 }
 
 /* Comments may come first. */

@@ -1,4 +1,5 @@
-/* BIDS eye tracking (BEP020): NAME.tsv.gz, a table without header, and NAME.json, which says what is in it.
+/* BIDS eye tracking (BEP020): NAME.tsv.gz, a table without header; JSON files beside and above it say what is
+ * in it (bids_sidecar.c).
  *
  * The sidecar's Columns names the columns: timestamp, x_coordinate, y_coordinate, perhaps pupil_size, and
  * others, which are left alone. An object of a column's name has its Units. SampleCoordinateSystem is
@@ -6,30 +7,27 @@
  * gaze-in-world (degrees or radians, right and up, up after right). RecordedEye is left, right or cyclopean;
  * an eye has a file of its own. SamplingFrequency is in Hz. Missing is n/a. ScreenResolution (px), ScreenSize
  * and ScreenDistance (m) and ScreenOrigin (the corner that pixels count from) stand in StimulusPresentation
- * of MATCHES_events.json, where NAME is MATCHES_recording-LABEL_physio; the sidecar, which had them in
- * drafts, goes before. Which way degrees count BIDS does not say: right and up is taken, and said; what this
- * project writes (bids_write.c) says so itself. No real file was at hand; rows of the tests are made, one of
- * them after the specification's example. */
+ * of the metadata of events; the sidecar, which had them in drafts, goes before. Which way degrees count BIDS
+ * does not say: right and up is taken, and said; what this project writes (bids_write.c) says so itself.
+ * Files whose suffix is physioevents hold what the tracker made of the gaze, and none. No real file was at
+ * hand; rows of the tests are made, one of them after the specification's example. */
+#include "log/bids.h"
 #include "log/formats.h"
 
 #include "error.h"
 
-#include <jansson.h>
 #include <math.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
 
 enum { TIME, X, Y, PUPIL, COLUMNS };
 static const char *const names[COLUMNS] = {"timestamp", "x_coordinate", "y_coordinate", "pupil_size"};
-
-enum { MAX_SIDECAR = 1 << 20 }; /* bytes */
 
 enum place { ON_SCREEN_PX, ON_SCREEN_DEG, IN_ANGLES };
 
 struct reader {
     struct trk_reading *reading;
-    json_t *sidecar, *events; /* events is NULL where there is none */
+    json_t *sidecar, *events;
     struct trk_table table;
     struct trk_plane plane;
     struct trk_log_clock clock;
@@ -44,68 +42,33 @@ struct reader {
 
 /* --- the sidecar ---------------------------------------------------------------------------------------- */
 
-static bool ends_with(const char *text, size_t length, const char *end)
+static bool is_events(const char *path)
 {
-    size_t size = strlen(end);
-    return length > size && memcmp(text + length - size, end, size) == 0;
-}
-
-/* The path up to the file's ending. */
-static size_t stem_of(const char *path)
-{
-    size_t length = strlen(path);
-    if (ends_with(path, length, ".tsv.gz")) return length - strlen(".tsv.gz");
-    return ends_with(path, length, ".tsv") ? length - strlen(".tsv") : length;
-}
-
-/* The path up to what tells one recording of a run from the others. */
-static size_t matches_of(const char *path)
-{
-    const char *slash = strrchr(path, '/'), *label = strstr(slash ? slash : path, "_recording-");
-    size_t length = stem_of(path);
-    if (label) return (size_t)(label - path);
-    return ends_with(path, length, "_physio") ? length - strlen("_physio") : length;
-}
-
-/* The JSON object in the file whose name is the first bytes of path and end. *out_there: there is such a
- * file. NULL with a message if there is and it holds none. */
-static json_t *load(const char *path, size_t length, const char *end, bool *out_there,
-                    char out_error[TRK_ERROR_SIZE])
-{
-    char *name = NULL;
-    struct stat status;
-    json_error_t error;
-    json_t *root = NULL;
-    *out_there = true;
-    if (asprintf(&name, "%.*s%s", (int)length, path, end) < 0) {
-        trk_fail(out_error, "%s: no memory", path);
-        return NULL;
-    }
-    if (stat(name, &status) != 0 || !S_ISREG(status.st_mode) || status.st_size > MAX_SIDECAR) {
-        *out_there = false;
-    } else if (!(root = json_load_file(name, 0, &error)) || !json_is_object(root)) {
-        trk_fail(out_error, "%s:%d: %.100s, expected a JSON object", name, root ? 1 : error.line,
-                 root ? "no object" : error.text);
-        json_decref(root);
-        root = NULL;
-    }
-    free(name);
-    return root;
+    char suffix[32];
+    trk_bids_suffix(path, suffix);
+    return strcmp(suffix, "physioevents") == 0;
 }
 
 static bool load_both(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 {
     const char *path = reader->reading->lines.path;
-    bool there;
-    reader->sidecar = load(path, stem_of(path), ".json", &there, out_error);
-    if (!there)
-        return trk_fail(
-            out_error,
-            "%s: a table without header, expected a BIDS sidecar %.*s.json (of up to 1 MiB) beside it", path,
-            (int)stem_of(path), path);
+    struct trk_bids_places places;
+    char suffix[32];
+    trk_bids_suffix(path, suffix);
+    if (is_events(path))
+        return trk_lines_fail(&reader->reading->lines, out_error,
+                              "is BIDS events (onset, duration, ... by *_physioevents.json), expected the "
+                              "_physio.tsv.gz of the gaze that lies beside it");
+    reader->sidecar = trk_bids_inherit(reader->reading, *suffix ? suffix : NULL, &places, out_error);
     if (!reader->sidecar) return false;
-    reader->events = load(path, matches_of(path), "_events.json", &there, out_error);
-    return reader->events || !there;
+    if (json_object_get(reader->sidecar, "Columns")) {
+        reader->events = trk_bids_inherit(reader->reading, "events", &places, out_error);
+        return reader->events;
+    }
+    return trk_fail(out_error,
+                    "%.150s: a table without header, and no BIDS sidecar has Columns; expected them in the "
+                    "%s.json beside it or in one above it, up to %.120s (%zu looked at)",
+                    path, *suffix ? suffix : "NAME", places.top, places.files);
 }
 
 static const char *text_of(const json_t *object, const char *key)
@@ -127,21 +90,30 @@ static bool read_columns(struct reader *reader, char out_error[TRK_ERROR_SIZE])
     struct trk_reading *reading = reader->reading;
     const json_t *root = reader->sidecar;
     const json_t *columns = json_object_get(root, "Columns");
-    char header[TRK_LINE_SIZE] = "";
+    char *header = reading->scratch;
     size_t used = 0;
+    header[0] = '\0';
     for (size_t i = 0; i < json_array_size(columns); i++) {
         const char *name = json_string_value(json_array_get(columns, i));
-        if (!name || !*name || strpbrk(name, "\t\r\n") || used + strlen(name) + 2 > sizeof header)
+        if (!name || !*name || strpbrk(name, "\t\r\n") || used + strlen(name) + 2 > sizeof reading->scratch)
             return trk_lines_fail(&reading->lines, out_error,
                                   "the sidecar's Columns holds no name as entry %zu, "
                                   "expected short texts",
                                   i + 1);
         used += (size_t)sprintf(header + used, "%s%s", used ? "\t" : "", name);
     }
-    trk_header_parse(&reading->header, header);
+    trk_header_parse(&reading->header, header, '\t');
     trk_table_init(&reader->table, reading);
-    reader->place[PUPIL] = trk_header_find(&reading->header, names[PUPIL]);
-    if (!trk_table_need(&reader->table, names, PUPIL, reader->place, out_error)) return false;
+    for (int i = 0; i < COLUMNS; i++) {
+        reader->place[i] = trk_header_find(&reading->header, names[i]);
+        if (reader->place[i] < 0 && i != PUPIL)
+            return trk_lines_fail(&reading->lines, out_error,
+                                  "the sidecar's Columns lacks a column, expected '%s'%s", names[i],
+                                  trk_header_find(&reading->header, "onset") >= 0
+                                      ? " (these are events: the gaze is in the _physio.tsv.gz)"
+                                      : "");
+    }
+    reading->clock_names[0] = names[TIME];
     reader->pupil_in_mm = strcasecmp(text_of(json_object_get(root, names[PUPIL]), "Units"), "mm") == 0;
     return true;
 }
@@ -296,29 +268,36 @@ static bool read_bids(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE
     json_decref(reader.sidecar);
     json_decref(reader.events);
     if (!ok) return false;
-    enum trk_line line = trk_table_split(&reader.table, out_error);
+    enum trk_line line = trk_table_first(&reader.table, out_error);
     for (; line == TRK_LINE; line = trk_table_next(&reader.table, out_error))
         if (!read_row(&reader, out_error)) return false;
     if (reader.clock.held) trk_assume(reading, "times that go back, held: %zu", reader.clock.held);
     return line == TRK_LINE_END;
 }
 
-/* Tabs between numbers, from the first line on. */
+/* Tabs between numbers, from the first line on. Of a file whose name is BIDS's, others may be between. */
 static bool detect(const struct trk_reading *reading)
 {
     const struct trk_header *header = &reading->header;
-    if (header->separator != '\t' || header->count < 3 || header->count > TRK_MAX_FIELDS) return false;
+    char suffix[32];
+    trk_bids_suffix(reading->lines.path, suffix);
+    if (header->separator != '\t' || header->count < 2 || header->count > TRK_MAX_FIELDS) return false;
+    if (strcmp(suffix, "physioevents") == 0) return true;
+    size_t numbers = 0;
     for (size_t i = 0; i < header->count; i++) {
+        char *comma = strchr(header->names[i], ',');
         double value;
-        if (strcmp(header->names[i], "n/a") != 0 && !trk_parse_double(header->names[i], &value)) return false;
+        if (comma) *comma = '.';
+        numbers += trk_is_missing(header->names[i]) || trk_parse_double(header->names[i], &value);
+        if (comma) *comma = ',';
     }
-    return true;
+    return (numbers == header->count && numbers >= 3) || (strcmp(suffix, "physio") == 0 && numbers >= 2);
 }
 
 const struct trk_log_format trk_log_bids = {
     .id = "bids",
     .name = "BIDS eye tracking",
-    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME | TRK_TAKES_SCREEN,
+    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME | TRK_TAKES_SCREEN | TRK_TAKES_RECORDING,
     .detect = detect,
     .read = read_bids,
 };

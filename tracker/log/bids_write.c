@@ -1,10 +1,10 @@
 /* Writing BIDS eye tracking: NAME.tsv.gz without header, and its sidecar NAME.json.
  *
- * One file holds one gaze: here the combined one, "cyclopean". With a head pose it is gaze-in-world, else
- * eye-in-head; x_coordinate and y_coordinate are degrees to the right of and above straight ahead (up after
- * right), n/a where the gaze was lost; timestamp is in seconds of the tracker's clock; pupil_size, where
- * there is any, is the mean of the eyes' diameters in mm. Head pose, origins and the eyes apart are not kept:
- * the project's own format does that. */
+ * One file holds one gaze: here the combined one, "cyclopean" unless only one eye was recorded. With a head
+ * pose it is gaze-in-world, else eye-in-head; x_coordinate and y_coordinate are degrees to the right of and
+ * above straight ahead (up after right), n/a where the gaze was lost; timestamp is in seconds of the
+ * tracker's clock; pupil_size, where there is any, is the mean of the eyes' diameters in mm. Head pose,
+ * origins and the eyes apart are not kept: the project's own format does that. */
 #include "log/formats.h"
 
 #include "error.h"
@@ -49,20 +49,23 @@ static bool write_rows(const char *path, const struct trk_log *log, bool with_pu
     return file && gzclose(file) == Z_OK && ok;
 }
 
-static double rate_hz(const struct trk_log *log)
+/* The eye that the gaze is of, if it is of one alone. */
+static const char *recorded_eye(const struct trk_log *log)
 {
-    uint64_t span_ns = log->samples[log->count - 1].device_ns - log->samples[0].device_ns;
-    return span_ns ? round((double)(log->count - 1) * 1e12 / (double)span_ns) / 1e3 : 0;
+    uint32_t seen = 0;
+    for (size_t i = 0; i < log->count; i++) seen |= log->samples[i].valid;
+    bool left = seen & TRK_LEFT_DIRECTION, right = seen & TRK_RIGHT_DIRECTION;
+    return left == right ? "cyclopean" : left ? "left" : "right";
 }
 
-static bool write_sidecar(const char *path, const struct trk_log *log, bool with_pupil)
+static bool write_sidecar(const char *path, const struct trk_log *log, double rate_hz, bool with_pupil)
 {
     bool in_world = log->samples[0].valid & TRK_HEAD;
     json_t *root =
         json_pack("{s:s, s:s, s:s, s:f, s:f, s:s, s:[s,s,s], s:{s:s, s:s}, s:{s:s, s:s}, s:{s:s, s:s}}",
-                  "PhysioType", "eyetrack", "RecordedEye", "cyclopean", "SampleCoordinateSystem",
-                  in_world ? "gaze-in-world" : "eye-in-head", "SamplingFrequency", rate_hz(log), "StartTime",
-                  (double)log->samples[0].device_ns / 1e9, "Description",
+                  "PhysioType", "eyetrack", "RecordedEye", recorded_eye(log), "SampleCoordinateSystem",
+                  in_world ? "gaze-in-world" : "eye-in-head", "SamplingFrequency", round(rate_hz * 1e3) / 1e3,
+                  "StartTime", (double)log->samples[0].device_ns / 1e9, "Description",
                   "Converted by fovead from a log of its own or another format.", "Columns", "timestamp",
                   "x_coordinate", "y_coordinate", "timestamp", "Description",
                   "time of the sample on the tracker's clock", "Units", "s", "x_coordinate", "Description",
@@ -80,21 +83,22 @@ static bool write_sidecar(const char *path, const struct trk_log *log, bool with
     return ok;
 }
 
-bool trk_bids_write(const char *path, const struct trk_log *log, char out_error[TRK_ERROR_SIZE])
+bool trk_bids_write(const char *path, const char *sidecar, const struct trk_log *log,
+                    char out_error[TRK_ERROR_SIZE])
 {
-    char *sidecar = NULL, *part = NULL, *sidecar_part = NULL;
+    char *part = NULL, *sidecar_part = NULL;
+    struct trk_rate rate;
     bool with_pupil = false, ok = false;
     if (log->count == 0) return trk_fail(out_error, "%s: no samples to write, expected at least one", path);
     for (size_t i = 0; i < log->count && !with_pupil; i++) with_pupil = !isnan(pupil_mm(&log->samples[i]));
-    if (asprintf(&sidecar, "%.*s.json", (int)(strlen(path) - strlen(".tsv.gz")), path) < 0) sidecar = NULL;
     if (asprintf(&part, "%s.%ld.part", path, (long)getpid()) < 0) part = NULL;
-    if (sidecar && asprintf(&sidecar_part, "%s.%ld.part", sidecar, (long)getpid()) < 0) sidecar_part = NULL;
-    if (!sidecar || !part || !sidecar_part) {
+    if (asprintf(&sidecar_part, "%s.%ld.part", sidecar, (long)getpid()) < 0) sidecar_part = NULL;
+    if (!part || !sidecar_part || !trk_log_rate(log, &rate)) {
         trk_fail(out_error, "%s: no memory", path);
         goto done;
     }
     errno = 0;
-    ok = write_sidecar(sidecar_part, log, with_pupil) && write_rows(part, log, with_pupil) &&
+    ok = write_sidecar(sidecar_part, log, rate.hz, with_pupil) && write_rows(part, log, with_pupil) &&
          rename(sidecar_part, sidecar) == 0 && rename(part, path) == 0;
     if (!ok) {
         trk_fail(out_error, "%s: cannot write: %s", path, errno ? strerror(errno) : "no memory");
@@ -102,7 +106,6 @@ bool trk_bids_write(const char *path, const struct trk_log *log, char out_error[
         unlink(sidecar_part);
     }
 done:
-    free(sidecar);
     free(part);
     free(sidecar_part);
     return ok;

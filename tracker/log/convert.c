@@ -1,39 +1,9 @@
-/* From what devices record to our units and frame: clocks, frames, screens, and the fields of a sample. */
+/* From what devices record to our units and frame: frames, screens, and the fields of a sample. */
 #include "log/log.h"
 
 #include <cglm/cglm.h>
 #include <math.h>
 #include <string.h>
-
-/* --- time ----------------------------------------------------------------------------------------------- */
-
-double trk_time_unit(const struct trk_reading *reading, double own_ns)
-{
-    const char *unit = reading->options->time_unit;
-    if (!unit) return own_ns;
-    return strcmp(unit, "s") == 0 ? 1e9 : strcmp(unit, "ms") == 0 ? 1e6 : strcmp(unit, "us") == 0 ? 1e3 : 1;
-}
-
-bool trk_log_clock_count(struct trk_log_clock *clock, int64_t time_ns, const struct trk_lines *lines,
-                         uint64_t *out_ns, char out_error[TRK_ERROR_SIZE])
-{
-    if (!clock->started) {
-        clock->started = true;
-        clock->first_ns = time_ns;
-    }
-    int64_t ns = time_ns - clock->first_ns; /* fits: see trk_parse_time() */
-    if (ns < 0 || (uint64_t)ns < clock->last_ns) {
-        double back_ns = (double)clock->last_ns - (double)ns;
-        if (back_ns > (double)TRK_MAX_STEP_BACK_NS)
-            return trk_lines_fail(lines, out_error, "time goes back by %g s, expected it never to",
-                                  back_ns / 1e9);
-        clock->held++;
-    } else {
-        clock->last_ns = (uint64_t)ns;
-    }
-    *out_ns = clock->last_ns;
-    return true;
-}
 
 /* --- frames --------------------------------------------------------------------------------------------- */
 
@@ -92,7 +62,7 @@ bool trk_plane_init(struct trk_plane *plane, struct trk_reading *reading, double
         half = tan(options->screen_fov_deg * M_PI / 360);
     else if (options->screen_width_m > 0)
         half = options->screen_width_m / 2 / options->screen_distance_m;
-    else
+    else if (what)
         trk_assume(reading, "%s %.1f degrees wide", what, own_fov_deg);
     plane->middle[0] = width / 2;
     plane->middle[1] = height / 2;
@@ -161,17 +131,20 @@ void trk_set_openness(struct trk_sample *sample, int eye, double openness)
     sample->valid |= TRK_LEFT_OPENNESS << 4 * eye;
 }
 
-void trk_combine(struct trk_sample *sample)
+bool trk_combine(struct trk_sample *sample)
 {
     vec3 direction = {0}, origin = {0};
-    int origins = 0;
+    int eyes = 0, origins = 0;
+    bool is_mean = false;
     bool closed[2]; /* an eye under its lid tells nothing where the other one is open */
     for (int i = 0; i < 2; i++)
         closed[i] = (sample->valid & TRK_LEFT_OPENNESS << 4 * i) && sample->eye[i].openness < 0.5f;
     for (int i = 0; i < 2; i++) {
         const bool other = (sample->valid & TRK_LEFT_DIRECTION << 4 * !i) && !closed[!i];
-        if ((sample->valid & TRK_LEFT_DIRECTION << 4 * i) && !(closed[i] && other))
+        if ((sample->valid & TRK_LEFT_DIRECTION << 4 * i) && !(closed[i] && other)) {
             glm_vec3_add(direction, sample->eye[i].direction, direction);
+            eyes++;
+        }
         if (sample->valid & TRK_LEFT_ORIGIN << 4 * i) {
             glm_vec3_add(origin, sample->eye[i].origin, origin);
             origins++;
@@ -181,11 +154,13 @@ void trk_combine(struct trk_sample *sample)
     if (!(sample->valid & TRK_DIRECTION) && glm_vec3_norm(direction) > 1e-3f) {
         glm_vec3_normalize_to(direction, sample->direction);
         sample->valid |= TRK_DIRECTION;
+        is_mean = eyes == 2;
     }
     if (!(sample->valid & TRK_ORIGIN) && origins > 0) {
         glm_vec3_scale(origin, 1.f / (float)origins, sample->origin);
         sample->valid |= TRK_ORIGIN;
     }
+    return is_mean;
 }
 
 void trk_unity_euler(const float angles_deg[3], float out_rotation[4])

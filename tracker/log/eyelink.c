@@ -11,7 +11,8 @@
  * by what the rate says. Pixels count from the top left corner, so that x is to the right and y down. A real
  * blink agrees: as the lid closes, eyes roll down and towards the nose, and there the right eye's y grows
  * and its x falls before it is lost (the test looks at it). The screen's angle follows from RES, unless
- * options say another; without both it is a default. The pupil has arbitrary units and is left out. A closed
+ * options say another; without both it is a default. Both may change from one recording (START to END) to the
+ * next, as may the coordinates: each has its own. The pupil has arbitrary units and is left out. A closed
  * eye is marked by openness 0; outside of blinks nothing is said about it. Only GAZE samples have a place on
  * the screen: files with HREF or PUPIL ones are refused. Between recordings (START to END) time goes on and
  * no sample is lost. */
@@ -19,18 +20,27 @@
 
 #include <ctype.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { LEFT_EYE = 1, RIGHT_EYE = 2 };
 
+/* Samples that were seen on the same screen. */
+struct segment {
+    size_t first;         /* of the log's samples */
+    double edges[4];      /* left, top, right, bottom: px; NaN if unknown */
+    double resolution[2]; /* px a degree, across and down; NaN if unknown */
+};
+
 struct reader {
     struct trk_reading *reading;
+    struct segment *segments;
+    size_t segment_count, block; /* block: the first segment since the last START */
+    bool has_gaze_coords;
     struct trk_log_clock clock;
     unsigned eyes, closed; /* LEFT_EYE, RIGHT_EYE */
     double rate_hz;
-    double edges[4];      /* left, top, right, bottom: px; NaN if unknown */
-    double resolution[2]; /* px a degree, summed over recordings */
-    size_t resolutions;
+    double edges[4]; /* that hold now, as in a segment */
     int64_t last_ns;
     size_t equal, spread; /* samples that repeat the last time; that were moved for it */
     uint64_t sequence;
@@ -76,26 +86,58 @@ static unsigned eye_of(const char *text)
     return *text == 'L' ? LEFT_EYE : *text == 'R' ? RIGHT_EYE : 0;
 }
 
+/* From the next sample on the screen may be another. */
+static bool begin_segment(struct reader *reader, char out_error[TRK_ERROR_SIZE])
+{
+    const size_t first = reader->reading->log->count;
+    size_t count = reader->segment_count;
+    if (count && reader->segments[count - 1].first == first) count--; /* of no samples */
+    if ((count & (count - 1)) == 0) {
+        size_t room = count ? 2 * count : 1;
+        struct segment *grown = realloc(reader->segments, room * sizeof *grown);
+        if (!grown) return trk_lines_fail(&reader->reading->lines, out_error, "no memory");
+        reader->segments = grown;
+    }
+    struct segment *segment = &reader->segments[count];
+    *segment = (struct segment){.first = first, .resolution = {NAN, NAN}};
+    memcpy(segment->edges, reader->edges, sizeof segment->edges);
+    reader->segment_count = count + 1;
+    return true;
+}
+
+/* DISPLAY_COORDS counts only where there is nothing else. */
+static bool read_coordinates(struct reader *reader, char out_error[TRK_ERROR_SIZE])
+{
+    const char *text = reader->reading->lines.text;
+    double numbers[4];
+    if (numbers_after(text, " GAZE_COORDS", numbers, 4) == 4)
+        reader->has_gaze_coords = true;
+    else if (reader->has_gaze_coords || numbers_after(text, " DISPLAY_COORDS", numbers, 4) != 4)
+        return true;
+    if (!(numbers[2] > numbers[0] && numbers[3] > numbers[1])) return true;
+    if (memcmp(reader->edges, numbers, sizeof numbers) == 0) return true;
+    memcpy(reader->edges, numbers, sizeof numbers);
+    return begin_segment(reader, out_error);
+}
+
 /* Whatever is no sample. Unknown lines are let be: calibration writes all kinds. */
 static bool read_event(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 {
     const char *text = reader->reading->lines.text;
-    double numbers[4];
+    double numbers[2];
     if (strncmp(text, "SAMPLES", 7) == 0) return read_samples_line(reader, out_error);
     if (strncmp(text, "SBLINK", 6) == 0) reader->closed |= eye_of(text);
     if (strncmp(text, "EBLINK", 6) == 0) reader->closed &= ~eye_of(text);
-    if (strncmp(text, "START", 5) == 0) reader->closed = 0;
-    if (strncmp(text, "MSG", 3) == 0 &&
-        (numbers_after(text, " GAZE_COORDS", numbers, 4) == 4 ||
-         (isnan(reader->edges[0]) && numbers_after(text, " DISPLAY_COORDS", numbers, 4) == 4)))
-        if (numbers[2] > numbers[0] && numbers[3] > numbers[1])
-            memcpy(reader->edges, numbers, sizeof numbers);
-    if (strncmp(text, "END", 3) == 0 && numbers_after(text, "RES", numbers, 2) == 2 && numbers[0] > 1 &&
-        numbers[1] > 1) {
-        reader->resolution[0] += numbers[0];
-        reader->resolution[1] += numbers[1];
-        reader->resolutions++;
+    if (strncmp(text, "MSG", 3) == 0) return read_coordinates(reader, out_error);
+    if (strncmp(text, "START", 5) == 0) {
+        reader->closed = 0;
+        if (!begin_segment(reader, out_error)) return false;
+        reader->block = reader->segment_count - 1;
     }
+    if (strncmp(text, "END", 3) == 0 && numbers_after(text, "RES", numbers, 2) == 2 && numbers[0] > 1 &&
+        numbers[1] > 1)
+        for (size_t i = reader->block; i < reader->segment_count; i++)
+            memcpy(reader->segments[i].resolution, numbers, sizeof numbers);
     return true;
 }
 
@@ -105,8 +147,9 @@ static bool read_eye(struct reader *reader, int eye, char *const fields[2], stru
 {
     double place[2];
     for (int i = 0; i < 2; i++) {
-        if (strcmp(fields[i], ".") == 0) return true;
-        if (!trk_parse_double(fields[i], &place[i]) || !(fabs(place[i]) < 1e6))
+        bool is_number = trk_field_number(reader->reading, fields[i], &place[i]);
+        if (is_number && isnan(place[i])) return true;
+        if (!is_number || !(fabs(place[i]) < 1e6))
             return trk_lines_fail(&reader->reading->lines, out_error,
                                   "gaze is '%.20s', expected pixels or '.'", fields[i]);
         sample->eye[eye].direction[i] = (float)place[i];
@@ -115,19 +158,11 @@ static bool read_eye(struct reader *reader, int eye, char *const fields[2], stru
     return true;
 }
 
-static bool read_sample(struct reader *reader, char out_error[TRK_ERROR_SIZE])
+/* place: x, y and pupil of each eye that is recorded. */
+static bool take_sample(struct reader *reader, int64_t time_ns, char *const *place,
+                        char out_error[TRK_ERROR_SIZE])
 {
-    struct trk_lines *lines = &reader->reading->lines;
-    char *fields[TRK_MAX_FIELDS];
-    int64_t time_ns;
-    size_t count = trk_split(lines->text, TRK_BLANKS, fields);
-    size_t eyes = (reader->eyes & LEFT_EYE ? 1 : 0) + (reader->eyes & RIGHT_EYE ? 1 : 0);
-    if (eyes == 0)
-        return trk_lines_fail(lines, out_error, "sample of unknown eyes, expected a line SAMPLES before it");
-    if (count < 1 + 3 * eyes)
-        return trk_lines_fail(lines, out_error, "%zu columns, expected at least %zu", count, 1 + 3 * eyes);
-    if (!trk_parse_time(fields[0], trk_time_unit(reader->reading, 1e6), &time_ns))
-        return trk_lines_fail(lines, out_error, "time is '%.20s', expected ms", fields[0]);
+    if (reader->segment_count == 0 && !begin_segment(reader, out_error)) return false;
     struct trk_sample sample = {.sequence = ++reader->sequence};
     reader->equal = reader->sequence > 1 && time_ns == reader->last_ns ? reader->equal + 1 : 0;
     reader->last_ns = time_ns;
@@ -136,9 +171,9 @@ static bool read_sample(struct reader *reader, char out_error[TRK_ERROR_SIZE])
         time_ns += (int64_t)later_ns;
         reader->spread++;
     }
-    if (!trk_log_clock_count(&reader->clock, time_ns, lines, &sample.device_ns, out_error)) return false;
+    if (!trk_log_clock_count(&reader->clock, time_ns, &reader->reading->lines, &sample.device_ns, out_error))
+        return false;
     sample.arrival_ns = sample.device_ns;
-    char **place = &fields[1];
     for (int eye = 0; eye < 2; eye++) {
         if (reader->closed >> eye & 1) trk_set_openness(&sample, eye, 0);
         if (!(reader->eyes >> eye & 1)) continue;
@@ -148,55 +183,143 @@ static bool read_sample(struct reader *reader, char out_error[TRK_ERROR_SIZE])
     return trk_log_append(reader->reading, &sample, out_error);
 }
 
-/* From pixels to directions, now that all is known. */
-static bool turn_samples(struct reader *reader, char out_error[TRK_ERROR_SIZE])
+static enum trk_line read_sample(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 {
-    struct trk_reading *reading = reader->reading;
-    struct trk_plane plane;
-    double *edges = reader->edges, fov_deg = TRK_SCREEN_FOV_DEG, squeeze = 1;
-    char what[64] = "screen";
-    if (isnan(edges[0])) {
-        memcpy(edges, (double[]){0, 0, 1919, 1079}, 4 * sizeof *edges);
-        trk_assume(reading, "screen of 1920 x 1080 px");
+    struct trk_lines *lines = &reader->reading->lines;
+    char *fields[TRK_MAX_FIELDS];
+    int64_t time_ns;
+    size_t count = trk_split(lines->text, TRK_BLANKS, fields);
+    size_t eyes = (reader->eyes & LEFT_EYE ? 1 : 0) + (reader->eyes & RIGHT_EYE ? 1 : 0);
+    if (eyes == 0) {
+        trk_lines_fail(lines, out_error, "sample of unknown eyes, expected a line SAMPLES before it");
+        return TRK_LINE_FAILED;
     }
-    double width = edges[2] - edges[0] + 1, height = edges[3] - edges[1] + 1;
-    if (reader->resolutions) {
-        double across = reader->resolution[0] / (double)reader->resolutions;
-        fov_deg = 2 * atan(width / 2 * tan(M_PI / 180) / across) * 180 / M_PI;
-        squeeze = reader->resolution[1] / reader->resolution[0];
-        snprintf(what, sizeof what, "by the file's %.1f px a degree the screen is", across);
+    if (count < 1 + 3 * eyes) {
+        trk_lines_fail(lines, out_error, "%zu columns, expected at least %zu", count, 1 + 3 * eyes);
+        return trk_short_row(reader->reading);
     }
-    if (!trk_plane_init(&plane, reading, width, height, width / height * squeeze, fov_deg, what, out_error))
+    if (!trk_field_time(reader->reading, fields[0], trk_time_unit(reader->reading, 1e6), &time_ns)) {
+        trk_lines_fail(lines, out_error, "time is '%.20s', expected ms", fields[0]);
+        return TRK_LINE_FAILED;
+    }
+    return take_sample(reader, time_ns, &fields[1], out_error) ? TRK_LINE : TRK_LINE_FAILED;
+}
+
+static bool is_same_screen(const struct segment *a, const struct segment *b)
+{
+    return memcmp(a->edges, b->edges, sizeof a->edges) == 0;
+}
+
+/* The mean resolution of the segments with the same screen as this one; NaN if it is known of none. */
+static void mean_resolution(const struct reader *reader, const struct segment *of, double out_resolution[2])
+{
+    double sum[2] = {0, 0};
+    size_t count = 0;
+    for (size_t i = 0; i < reader->segment_count; i++) {
+        const struct segment *segment = &reader->segments[i];
+        if (isnan(segment->resolution[0]) || !is_same_screen(segment, of)) continue;
+        for (int k = 0; k < 2; k++) sum[k] += segment->resolution[k];
+        count++;
+    }
+    for (int k = 0; k < 2; k++) out_resolution[k] = count ? sum[k] / (double)count : NAN;
+}
+
+/* Its plane by that resolution; says: the first of its kind, of which a word is said. */
+static bool init_plane(struct reader *reader, const struct segment *segment, const double resolution[2],
+                       bool says, struct trk_plane *out_plane, char out_error[TRK_ERROR_SIZE])
+{
+    const double *edges = segment->edges;
+    double width = edges[2] - edges[0] + 1, height = edges[3] - edges[1] + 1, fov_deg = TRK_SCREEN_FOV_DEG;
+    double squeeze = 1;
+    char what[96] = "screen";
+    if (isfinite(resolution[0])) {
+        fov_deg = 2 * atan(width / 2 * tan(M_PI / 180) / resolution[0]) * 180 / M_PI;
+        squeeze = resolution[1] / resolution[0];
+        snprintf(what, sizeof what, "by the file's %.1f px a degree the screen%s is", resolution[0],
+                 segment->first ? " from there on" : "");
+    }
+    if (says && segment->first)
+        trk_assume(reader->reading, "from sample %zu on coordinates are of %.0f x %.0f px",
+                   segment->first + 1, width, height);
+    if (!trk_plane_init(out_plane, reader->reading, width, height, width / height * squeeze, fov_deg,
+                        says ? what : NULL, out_error))
         return false;
-    plane.middle[0] += edges[0];
-    plane.middle[1] += edges[1];
-    for (size_t i = 0; i < reading->log->count; i++) {
-        struct trk_sample *sample = &reading->log->samples[i];
+    out_plane->middle[0] += edges[0];
+    out_plane->middle[1] += edges[1];
+    return true;
+}
+
+static void turn_segment(struct reader *reader, const struct trk_plane *plane, size_t first, size_t end)
+{
+    struct trk_log *log = reader->reading->log;
+    for (size_t i = first; i < end; i++) {
+        struct trk_sample *sample = &log->samples[i];
         for (int eye = 0; eye < 2; eye++) {
             float *direction = sample->eye[eye].direction;
             if (sample->valid & TRK_LEFT_DIRECTION << 4 * eye)
-                trk_plane_direction(&plane, direction[0], direction[1], direction);
+                trk_plane_direction(plane, direction[0], direction[1], direction);
         }
-        trk_combine(sample);
+        reader->reading->eyes_mean += trk_combine(sample);
+    }
+}
+
+/* From pixels to directions, now that all is known. */
+static bool turn_samples(struct reader *reader, char out_error[TRK_ERROR_SIZE])
+{
+    bool is_default = false;
+    for (size_t i = 0; i < reader->segment_count; i++) {
+        double *edges = reader->segments[i].edges;
+        if (!isnan(edges[0])) continue;
+        memcpy(edges, (double[]){0, 0, 1919, 1079}, 4 * sizeof *edges);
+        is_default = true;
+    }
+    if (is_default && reader->reading->log->count) trk_assume(reader->reading, "screen of 1920 x 1080 px");
+    for (size_t i = 0; i < reader->segment_count; i++) {
+        const struct segment *segment = &reader->segments[i];
+        const bool is_last = i + 1 == reader->segment_count;
+        double mean[2];
+        struct trk_plane plane;
+        bool says = i == 0 || !is_same_screen(segment, segment - 1);
+        mean_resolution(reader, segment, mean);
+        /* What is said is the mean; what is used is its own, if it has one. */
+        if (says && !init_plane(reader, segment, mean, true, &plane, out_error)) return false;
+        if (!init_plane(reader, segment, isnan(segment->resolution[0]) ? mean : segment->resolution, false,
+                        &plane, out_error))
+            return false;
+        turn_segment(reader, &plane, segment->first,
+                     is_last ? reader->reading->log->count : segment[1].first);
     }
     return true;
+}
+
+static bool read_rows(struct reader *reader, char out_error[TRK_ERROR_SIZE])
+{
+    struct trk_reading *reading = reader->reading;
+    enum trk_line line = TRK_LINE;
+    while (line == TRK_LINE) {
+        bool is_sample = isdigit((unsigned char)reading->lines.text[0]);
+        if (is_sample)
+            line = read_sample(reader, out_error);
+        else if (!read_event(reader, out_error))
+            return false;
+        if (line == TRK_LINE) line = trk_next_row(reading, out_error);
+    }
+    return line == TRK_LINE_END;
 }
 
 static bool read_eyelink(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
 {
     struct reader reader = {.reading = reading, .edges = {NAN, NAN, NAN, NAN}};
-    enum trk_line line = TRK_LINE;
-    for (; line == TRK_LINE; line = trk_lines_next(&reading->lines, out_error)) {
-        bool is_sample = isdigit((unsigned char)reading->lines.text[0]);
-        if (!(is_sample ? read_sample(&reader, out_error) : read_event(&reader, out_error))) return false;
-    }
-    if (line == TRK_LINE_FAILED) return false;
-    if (reader.spread)
+    reading->clock_names[0] = "time";
+    bool ok = read_rows(&reader, out_error);
+    if (ok && reader.spread)
         trk_assume(reading,
                    "samples with the same millisecond as the one before, spread evenly at %g Hz: %zu",
                    reader.rate_hz, reader.spread);
-    if (reader.clock.held) trk_assume(reading, "times that go back, held: %zu", reader.clock.held);
-    return turn_samples(&reader, out_error);
+    if (ok && reader.clock.held) trk_assume(reading, "times that go back, held: %zu", reader.clock.held);
+    ok = ok && turn_samples(&reader, out_error);
+    free(reader.segments);
+    return ok;
 }
 
 static bool detect(const struct trk_reading *reading)

@@ -12,6 +12,8 @@
  * they tell how long after the last sample that was. CNT counts samples: a gap is a lost one. */
 #include "log/formats.h"
 
+#include "error.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,11 +21,11 @@
 
 /* clang-format off */
 enum { CNT, TIME, TICK, BPOG, LPOG = BPOG + 3, RPOG = LPOG + 3, FPOG = RPOG + 3, LPMM = FPOG + 3, RPMM = LPMM + 2,
-       BKID = RPMM + 2, VALUES };
+       BKID = RPMM + 2, FPOGID, VALUES };
 static const char *const names[VALUES] = {
     "CNT", "TIME", "TIME_TICK",
     "BPOGX", "BPOGY", "BPOGV", "LPOGX", "LPOGY", "LPOGV", "RPOGX", "RPOGY", "RPOGV", "FPOGX", "FPOGY", "FPOGV",
-    "LPMM", "LPMMV", "RPMM", "RPMMV", "BKID",
+    "LPMM", "LPMMV", "RPMM", "RPMMV", "BKID", "FPOGID",
 };
 /* clang-format on */
 
@@ -33,7 +35,7 @@ struct reader {
     struct trk_reading *reading;
     struct trk_plane plane;
     struct trk_log_clock device, host;
-    const char *fields[VALUES]; /* of one record; NULL where it has none */
+    char *fields[VALUES]; /* of one record; NULL where it has none */
     double tick_hz;
     bool has_count, is_fixation; /* FPOG had to be taken */
     int64_t first_count;
@@ -41,14 +43,15 @@ struct reader {
     bool has_last; /* the times of the last sample, and what TIME is short of since it began anew */
     int64_t last_time_ns, last_tick_ns, shift_ns;
     size_t restarts;
+    size_t fixations; /* changes of FPOGID from one record to the next */
+    double fixation;  /* its last one; NaN: none */
 };
 
 static bool number(struct reader *reader, int i, double *out_value, char out_error[TRK_ERROR_SIZE])
 {
     *out_value = NAN;
-    const char *field = reader->fields[i];
-    if (!field || !*field || strcasecmp(field, "nan") == 0) return true;
-    if (trk_parse_double(field, out_value) && isfinite(*out_value)) return true;
+    char *field = reader->fields[i];
+    if (!field || trk_field_number(reader->reading, field, out_value)) return true;
     return trk_lines_fail(&reader->reading->lines, out_error, "%s is '%.40s', expected a finite number",
                           names[i], field);
 }
@@ -73,11 +76,11 @@ static void join(struct reader *reader, int64_t *time_ns, int64_t tick_ns)
 static bool read_times(struct reader *reader, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
 {
     const struct trk_lines *lines = &reader->reading->lines;
-    const char *time = reader->fields[TIME], *tick = reader->fields[TICK];
+    char *time = reader->fields[TIME], *tick = reader->fields[TICK];
     int64_t time_ns, tick_ns;
-    if (!time || !trk_parse_time(time, trk_time_unit(reader->reading, 1e9), &time_ns))
+    if (!time || !trk_field_time(reader->reading, time, trk_time_unit(reader->reading, 1e9), &time_ns))
         return trk_lines_fail(lines, out_error, "TIME is '%.40s', expected seconds", time ? time : "");
-    if (tick && !trk_parse_time(tick, 1e9 / reader->tick_hz, &tick_ns))
+    if (tick && !trk_field_time(reader->reading, tick, 1e9 / reader->tick_hz, &tick_ns))
         return trk_lines_fail(lines, out_error, "TIME_TICK is '%.40s', expected ticks", tick);
     if (tick) join(reader, &time_ns, tick_ns);
     if (!trk_log_clock_count(&reader->device, time_ns, lines, &sample->device_ns, out_error)) return false;
@@ -118,8 +121,12 @@ static bool read_record(struct reader *reader, char out_error[TRK_ERROR_SIZE])
     struct trk_sample sample = {0};
     bool valid;
     double blink;
+    double fixation;
     int both = reader->fields[BPOG] ? BPOG : FPOG;
     reader->is_fixation |= both == FPOG;
+    if (!number(reader, FPOGID, &fixation, out_error)) return false;
+    reader->fixations += fixation != reader->fixation && !isnan(fixation) && !isnan(reader->fixation);
+    reader->fixation = fixation;
     if (!read_times(reader, &sample, out_error) || !number(reader, BKID, &blink, out_error) ||
         !point(reader, both, sample.direction, &valid, out_error))
         return false;
@@ -141,12 +148,22 @@ static bool read_record(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 static bool begin(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 {
     reader->tick_hz = DEFAULT_TICK_HZ;
+    reader->fixation = NAN;
+    reader->reading->clock_names[0] = names[TIME];
     return trk_plane_init(&reader->plane, reader->reading, 1, 1, 16.0 / 9, TRK_SCREEN_FOV_DEG,
                           "screen of 16:9", out_error);
 }
 
-static bool finish(struct reader *reader)
+static bool finish(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 {
+    const size_t count = reader->reading->log->count;
+    /* Of gaze, many samples have the same fixation's number. */
+    if (count > 2 && reader->fixations == count - 1)
+        return trk_fail(
+            out_error,
+            "%s: holds fixations (one a row: FPOGID is another in every row), expected the export of "
+            "all gaze, ..._all_gaze.csv",
+            reader->reading->lines.path);
     if (reader->is_fixation) trk_assume(reader->reading, "no BPOG: gaze is that of fixations (FPOG)");
     if (reader->restarts)
         trk_assume(reader->reading, "TIME begins anew %zu times, joined by the ticks", reader->restarts);
@@ -187,9 +204,10 @@ static bool read_export(struct trk_reading *reading, char out_error[TRK_ERROR_SI
     if (!begin(&reader, out_error)) return false;
     for (int i = 0; i < VALUES; i++) place[i] = i == TIME ? -1 : trk_header_find(&reading->header, names[i]);
     if (!find_times(&reader, place, out_error)) return false;
+    if (place[TICK] >= 0) reading->clock_names[1] = names[TICK];
     for (;;) {
         enum trk_line line = trk_table_next(&table, out_error);
-        if (line == TRK_LINE_END) return finish(&reader);
+        if (line == TRK_LINE_END) return finish(&reader, out_error);
         if (line == TRK_LINE_FAILED) return false;
         for (int i = 0; i < VALUES; i++) reader.fields[i] = place[i] < 0 ? NULL : table.fields[place[i]];
         if (!read_record(&reader, out_error)) return false;
@@ -199,7 +217,7 @@ static bool read_export(struct trk_reading *reading, char out_error[TRK_ERROR_SI
 const struct trk_log_format trk_log_gazepoint = {
     .id = "gazepoint",
     .name = "Gazepoint",
-    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME | TRK_TAKES_SCREEN,
+    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME | TRK_TAKES_SCREEN | TRK_TAKES_RECORDING,
     .columns = {"CNT", "FPOGX", "FPOGY", "FPOGV"},
     .read = read_export,
 };
@@ -233,32 +251,47 @@ static void read_answer(struct reader *reader, char *at)
     }
 }
 
+/* A record's values; NULL where it has none. False: it does not end as an element does. */
+static bool take_attributes(struct reader *reader, char *at)
+{
+    char *name, *value;
+    memset(reader->fields, 0, sizeof reader->fields);
+    while ((name = next_attribute(&at, &value)))
+        for (int i = 0; i < VALUES; i++)
+            if (strcmp(name, names[i]) == 0) reader->fields[i] = value;
+    at += strspn(at, " \t");
+    return strncmp(at, "/>", 2) == 0;
+}
+
 static bool read_open_gaze(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
 {
     struct reader reader = {.reading = reading};
-    char *text = reading->lines.text;
     enum trk_line line = TRK_LINE;
     if (!begin(&reader, out_error)) return false;
-    for (; line == TRK_LINE; line = trk_lines_next(&reading->lines, out_error)) {
-        char *at = text + 4, *name, *value;
-        if (strncmp(text, "<ACK", 4) == 0) read_answer(&reader, at);
-        if (strncmp(text, "<REC", 4) != 0) continue;
-        memset(reader.fields, 0, sizeof reader.fields);
-        while ((name = next_attribute(&at, &value)))
-            for (int i = 0; i < VALUES; i++)
-                if (strcmp(name, names[i]) == 0) reader.fields[i] = value;
-        at += strspn(at, " \t");
-        if (strncmp(at, "/>", 2) != 0)
-            return trk_lines_fail(&reading->lines, out_error, "'%.40s', expected NAME=\"VALUE\" or />", at);
+    for (; line == TRK_LINE; line = trk_next_row(reading, out_error)) {
+        char *at = reading->lines.text + strspn(reading->lines.text, " \t");
+        if (strncmp(at, "<ACK", 4) == 0) read_answer(&reader, at + 4);
+        if (strncmp(at, "<REC", 4) != 0) continue;
+        bool is_empty = at[4 + strspn(at + 4, " \t")] == '/';
+        if (!take_attributes(&reader, at + 4)) {
+            trk_lines_fail(&reading->lines, out_error, "'%.40s', expected NAME=\"VALUE\" or />", at);
+            line = trk_short_row(reading);
+            break;
+        }
+        if (is_empty) continue; /* nothing was asked for yet */
+        if (reader.fields[TICK]) reading->clock_names[1] = names[TICK];
         if (!read_record(&reader, out_error)) return false;
     }
-    return line == TRK_LINE_END && finish(&reader);
+    return line == TRK_LINE_END && finish(&reader, out_error);
 }
 
 static bool detect_open_gaze(const struct trk_reading *reading)
 {
-    return strncmp(reading->head, "<REC ", 5) == 0 ||
-           (reading->head[0] == '<' && strstr(reading->head, "\n<REC "));
+    const char *text = reading->lines.text + strspn(reading->lines.text, " \t");
+    if (*text != '<') return false;
+    for (const char *at = reading->head; (at = strstr(at, "<REC")); at++)
+        if (strchr(" \t/", at[4])) return true;
+    return false;
 }
 
 const struct trk_log_format trk_log_open_gaze = {
@@ -266,5 +299,6 @@ const struct trk_log_format trk_log_open_gaze = {
     .name = "Open Gaze API",
     .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME | TRK_TAKES_SCREEN,
     .detect = detect_open_gaze,
+    .closes = "/>",
     .read = read_open_gaze,
 };

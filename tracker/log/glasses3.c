@@ -53,11 +53,21 @@ static bool read_object(struct trk_reading *reading, const json_t *root, struct 
     sample.arrival_ns = sample.device_ns;
     read_eye(data, 0, frame, &sample);
     read_eye(data, 1, frame, &sample);
-    trk_combine(&sample);
+    reading->eyes_mean += trk_combine(&sample);
     float point[3];
     if (!(sample.valid & TRK_DIRECTION) && read_vector(json_object_get(data, "gaze3d"), point))
         trk_set_direction(&sample, 2, point, frame);
     return trk_log_append(reading, &sample, out_error);
+}
+
+/* Python writes NaN, which is no JSON: an empty text is as little a number. */
+static void blank_nans(char *text)
+{
+    for (char *at = text; (at = strcasestr(at, "nan")); at += 3)
+        if (at > text && strchr(":[, -", at[-1]) && strchr(",]} ", at[3])) {
+            if (at[-1] == '-') at[-1] = ' ';
+            memcpy(at, "\"\" ", 3);
+        }
 }
 
 static bool read_glasses3(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
@@ -66,13 +76,17 @@ static bool read_glasses3(struct trk_reading *reading, char out_error[TRK_ERROR_
     struct trk_frame frame = trk_reading_frame(reading, "LUF");
     struct trk_log_clock clock = {0};
     enum trk_line line = TRK_LINE;
-    for (; line == TRK_LINE; line = trk_lines_next(lines, out_error)) {
-        if (lines->text[0] == '\0') continue;
+    reading->clock_names[0] = "timestamp";
+    for (; line == TRK_LINE; line = trk_next_row(reading, out_error)) {
         json_error_t error;
+        blank_nans(lines->text);
         json_t *root = json_loads(lines->text, 0, &error);
-        if (!root)
-            return trk_lines_fail(lines, out_error, "%.100s (at byte %d), expected a JSON object", error.text,
-                                  error.position);
+        if (!root) {
+            trk_lines_fail(lines, out_error, "%.100s (at byte %d), expected a JSON object", error.text,
+                           error.position);
+            line = trk_short_row(reading);
+            break;
+        }
         bool ok = read_object(reading, root, &clock, &frame, out_error);
         json_decref(root);
         if (!ok) return false;
@@ -93,5 +107,9 @@ const struct trk_log_format trk_log_glasses3 = {
     .name = "Tobii Pro Glasses 3",
     .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME,
     .detect = detect,
+    .closes = "}",
+    .says_mean =
+        "gaze is the mean of the eyes' directions, and not the way to gaze3d (only where neither eye has "
+        "one)",
     .read = read_glasses3,
 };

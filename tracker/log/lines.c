@@ -1,4 +1,4 @@
-/* Lines of a file, and the numbers in them. */
+/* Lines of a file, and plain numbers. */
 #include "log/log.h"
 
 #include "error.h"
@@ -22,80 +22,68 @@ bool trk_lines_fail(const struct trk_lines *lines, char out_error[TRK_ERROR_SIZE
     return false;
 }
 
-static enum trk_line fail_to_read(struct trk_lines *lines, char out_error[TRK_ERROR_SIZE])
+/* Unpack more. False at the end of the file, and with a message on failure, which *out_failed tells. */
+static bool fill(struct trk_lines *lines, bool *out_failed, char out_error[TRK_ERROR_SIZE])
 {
-    int code;
+    int count = gzread(lines->file, lines->buffer, sizeof lines->buffer), code;
     const char *reason = gzerror(lines->file, &code);
-    if (code == Z_ERRNO)
+    lines->taken = 0;
+    lines->filled = count > 0 ? (size_t)count : 0;
+    lines->bytes += lines->filled;
+    lines->is_gzip_cut |= code == Z_BUF_ERROR;
+    *out_failed = count < 0 && code != Z_BUF_ERROR;
+    if (*out_failed && code == Z_ERRNO)
         trk_lines_fail(lines, out_error, "%s", strerror(errno));
-    else if (code == Z_BUF_ERROR)
-        trk_lines_fail(lines, out_error, "the gzip data is cut off, expected its end");
-    else
+    else if (*out_failed)
         trk_lines_fail(lines, out_error, "damaged gzip data (%s), expected a whole file", reason);
-    return TRK_LINE_FAILED;
+    else if (lines->bytes > TRK_MAX_UNPACKED && !gzdirect(lines->file))
+        *out_failed = !trk_lines_fail(lines, out_error, "unpacks to more than %d GiB, expected less",
+                                      (int)(TRK_MAX_UNPACKED >> 30));
+    return !*out_failed && lines->filled > 0;
 }
 
-/* Byte by byte and not getline(): a file without a newline must not decide how much memory is taken. */
+/* By memchr() and not getline(): a file without line ends must not decide how much memory is taken. */
 enum trk_line trk_lines_next(struct trk_lines *lines, char out_error[TRK_ERROR_SIZE])
 {
     size_t length = 0;
-    int c, code;
+    bool failed = false;
     lines->number++;
-    while ((c = gzgetc(lines->file)) != -1 && c != '\n') {
-        if (c == '\0') {
+    lines->has_end = false;
+    while (!lines->has_end && (lines->taken < lines->filled || fill(lines, &failed, out_error))) {
+        const char *from = lines->buffer + lines->taken;
+        size_t left = lines->filled - lines->taken;
+        const char *end = memchr(from, lines->end, left);
+        size_t part = end ? (size_t)(end - from) : left;
+        if (memchr(from, '\0', part)) {
             trk_lines_fail(lines, out_error, "holds a NUL byte (is it UTF-16?), expected text in UTF-8");
             return TRK_LINE_FAILED;
         }
-        if (length == TRK_LINE_SIZE - 1) {
+        if (length + part > TRK_LINE_SIZE - 1) {
             trk_lines_fail(lines, out_error, "is longer than %d bytes, expected one sample a line",
                            TRK_LINE_SIZE - 1);
             return TRK_LINE_FAILED;
         }
-        lines->text[length++] = (char)c;
+        memcpy(lines->text + length, from, part);
+        length += part;
+        lines->taken += part + (end ? 1 : 0);
+        lines->has_end = end != NULL;
     }
-    lines->has_newline = c == '\n';
-    lines->bytes += length + 1;
-    gzerror(lines->file, &code);
-    if (c == -1 && code != Z_OK && code != Z_STREAM_END) return fail_to_read(lines, out_error);
-    if (lines->bytes > TRK_MAX_UNPACKED && !gzdirect(lines->file)) {
-        trk_lines_fail(lines, out_error, "unpacks to more than %d GiB, expected less",
-                       (int)(TRK_MAX_UNPACKED >> 30));
-        return TRK_LINE_FAILED;
-    }
-    if (c == -1 && length == 0) return TRK_LINE_END;
-    if (length > 0 && lines->text[length - 1] == '\r') length--;
+    if (failed) return TRK_LINE_FAILED;
+    if (!lines->has_end && length == 0) return TRK_LINE_END;
+    while (length > 0 && lines->text[length - 1] == '\r') length--;
     lines->text[length] = '\0';
     if (lines->number == 1 && strncmp(lines->text, "\xef\xbb\xbf", 3) == 0)
         memmove(lines->text, lines->text + 3, length - 2);
     return TRK_LINE;
 }
 
-/* --- fields --------------------------------------------------------------------------------------------- */
-
-static size_t split_runs(char *text, char *out_fields[TRK_MAX_FIELDS])
+void trk_lines_rewind(struct trk_lines *lines)
 {
-    size_t count = 0;
-    for (char *at = text + strspn(text, " \t"); *at; at += strspn(at, " \t")) {
-        if (count < TRK_MAX_FIELDS) out_fields[count] = at;
-        count++;
-        at += strcspn(at, " \t");
-        if (*at) *at++ = '\0';
-    }
-    return count;
+    gzrewind(lines->file);
+    lines->bytes = lines->number = lines->taken = lines->filled = 0;
 }
 
-size_t trk_split(char *text, char separator, char *out_fields[TRK_MAX_FIELDS])
-{
-    size_t count = 0;
-    if (separator == TRK_BLANKS) return split_runs(text, out_fields);
-    for (;;) {
-        if (count < TRK_MAX_FIELDS) out_fields[count] = text;
-        count++;
-        text = strchr(text, separator);
-        if (!text) return count;
-        *text++ = '\0';
-    }
-}
+/* --- numbers -------------------------------------------------------------------------------------------- */
 
 /* strtof() and strtoll() skip white space before a number; a field must start with it. */
 static bool starts_number(const char *field)

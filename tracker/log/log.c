@@ -35,20 +35,6 @@ static const struct trk_log_format *const formats[] = {
 };
 enum { FORMATS = sizeof formats / sizeof *formats };
 
-/* Files that lie beside a gaze log, or bear its name, and hold no gaze that could be used. */
-static const struct {
-    const char *columns[4];
-    const char *says;
-} namesakes[] = {
-    {{"section id", "gaze detected on surface", "gaze position on surface x"},
-     "gaze on a mapped picture, which has no direction; expected the gaze.csv of the raw data export"},
-    {{"section id", "recording id", "gaze position in reference image x"},
-     "gaze on a reference image, which has no direction; expected the gaze.csv of the raw data export"},
-    {{"section id", "blink id", "start timestamp"}, "Pupil Cloud's blinks, expected its gaze.csv"},
-    {{"section id", "fixation id", "start timestamp"}, "Pupil Cloud's fixations, expected its gaze.csv"},
-    {{"section id", "gyro x", "acceleration x"}, "Pupil Cloud's IMU, expected its gaze.csv"},
-};
-
 /* --- what all readings share ---------------------------------------------------------------------------- */
 
 void trk_assume(struct trk_reading *reading, const char *format, ...)
@@ -70,7 +56,8 @@ static bool append(struct trk_reading *reading, const struct trk_sample *sample,
 {
     struct trk_log *log = reading->log;
     if (sample->device_ns > TRK_MAX_DEVICE_NS)
-        return trk_lines_fail(&reading->lines, out_error, "device time is %.0f days, expected at most %.0f",
+        return trk_check_clocks(reading, out_error) &&
+               trk_lines_fail(&reading->lines, out_error, "device time is %.0f days, expected at most %.0f",
                               (double)sample->device_ns / 86400e9, (double)TRK_MAX_DEVICE_NS / 86400e9);
     if (log->count == TRK_MAX_ROWS)
         return trk_lines_fail(&reading->lines, out_error, "is one row too many, expected at most %d",
@@ -134,14 +121,6 @@ static void put_in_order(struct trk_reading *reading)
 
 /* --- which format --------------------------------------------------------------------------------------- */
 
-static bool has_columns(const struct trk_header *header, const char *const columns[])
-{
-    if (!columns[0]) return false;
-    for (int i = 0; columns[i]; i++)
-        if (trk_header_find(header, columns[i]) < 0) return false;
-    return true;
-}
-
 /* The format by its content; NULL with a message if it is none or may be several. */
 static const struct trk_log_format *detect(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
 {
@@ -150,18 +129,14 @@ static const struct trk_log_format *detect(struct trk_reading *reading, char out
     int count = 0;
     for (int i = 0; i < FORMATS; i++) {
         const struct trk_log_format *format = formats[i];
-        if (!(format->detect ? format->detect(reading) : has_columns(&reading->header, format->columns)))
+        if (!(format->detect ? format->detect(reading) : trk_header_has(&reading->header, format->columns)))
             continue;
         size_t length = strlen(names);
         snprintf(names + length, sizeof names - length, "%s%s", count++ ? ", " : "", format->id);
         found = format;
     }
     if (count == 1) return found;
-    for (size_t i = 0; count == 0 && i < sizeof namesakes / sizeof *namesakes; i++)
-        if (has_columns(&reading->header, namesakes[i].columns)) {
-            trk_lines_fail(&reading->lines, out_error, "is %s", namesakes[i].says);
-            return NULL;
-        }
+    if (count == 0 && !trk_check_namesakes(reading, out_error)) return NULL;
     if (count > 1) {
         trk_lines_fail(&reading->lines, out_error, "may be any of %s: expected the format to be told", names);
         return NULL;
@@ -190,61 +165,106 @@ static const struct trk_log_format *by_name(const char *name, char out_error[TRK
 
 /* --- reading -------------------------------------------------------------------------------------------- */
 
-/* A regular file, and nothing that could block or never end. */
-static gzFile open_file(const char *path, char out_error[TRK_ERROR_SIZE])
+void trk_note_source(struct trk_log *log, int fd)
 {
-    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    struct stat status;
+    if (fstat(fd, &status) != 0 || log->source_count == TRK_MAX_SOURCES) return;
+    log->sources[log->source_count].device = status.st_dev;
+    log->sources[log->source_count++].inode = status.st_ino;
+}
+
+bool trk_log_is_from(const struct trk_log *log, const char *path)
+{
+    struct stat status;
+    if (stat(path, &status) != 0) return false;
+    for (size_t i = 0; i < log->source_count; i++)
+        if (log->sources[i].device == status.st_dev && log->sources[i].inode == status.st_ino) return true;
+    return false;
+}
+
+/* A regular file, and nothing that could block or never end. */
+static gzFile open_file(struct trk_log *log, const char *path, char out_error[TRK_ERROR_SIZE])
+{
+    int fd = open(strcmp(path, "-") == 0 ? "/dev/stdin" : path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     if (fd < 0) {
         trk_fail(out_error, "%s: %s, expected a gaze log", path, strerror(errno));
         return NULL;
     }
     struct stat status;
     if (fstat(fd, &status) != 0 || !S_ISREG(status.st_mode)) {
-        trk_fail(out_error, "%s: not a regular file, expected a gaze log", path);
+        trk_fail(out_error, "%s: not a regular file%s, expected a gaze log", path,
+                 S_ISFIFO(status.st_mode) ? " but a pipe (write it to a file first: a log is read twice)"
+                                          : "");
         close(fd);
         return NULL;
     }
     gzFile file = gzdopen(fd, "rb");
-    if (!file) {
+    if (file) {
+        gzbuffer(file, TRK_BUFFER_SIZE);
+        trk_note_source(log, fd);
+    } else {
         trk_fail(out_error, "%s: no memory", path);
         close(fd);
     }
     return file;
 }
 
-static bool read_reading(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
+/* What the file begins with, and its first row. */
+static bool read_head(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
 {
     struct trk_lines *lines = &reading->lines;
-    const struct trk_log_options *options = reading->options;
-    const char *path = lines->path;
     int count = gzread(lines->file, reading->head, TRK_HEAD_SIZE);
-    reading->head[count > 0 ? count : 0] = '\0';
-    gzrewind(lines->file);
-    switch (trk_lines_next(lines, out_error)) {
+    size_t size = count > 0 ? (size_t)count : 0;
+    lines->number = 1;
+    if (!trk_check_magic(reading, size, out_error)) return false;
+    reading->head[size] = '\0';
+    lines->end = strchr(reading->head, '\r') && !strchr(reading->head, '\n') ? '\r' : '\n';
+    for (char *c = reading->head; (c = strchr(c, '\r'));) *c = '\n';
+    if (strncmp(reading->head, "\xef\xbb\xbf", 3) == 0) memmove(reading->head, reading->head + 3, size - 2);
+    trk_lines_rewind(lines);
+    switch (trk_first_row(reading, out_error)) {
     case TRK_LINE_FAILED:
         return false;
     case TRK_LINE_END:
-        return trk_fail(out_error, "%s: is empty, expected a gaze log", path);
+        return trk_fail(out_error, "%s: is empty, expected a gaze log", lines->path);
     case TRK_LINE:
         break;
     }
-    trk_header_parse(&reading->header, lines->text);
-    const struct trk_log_format *format =
-        options->format ? by_name(options->format, out_error) : detect(reading, out_error);
-    if (!format) return false;
-    unsigned given = (options->time_unit ? TRK_TAKES_TIME_UNIT : 0) | (options->frame ? TRK_TAKES_FRAME : 0) |
-                     (options->screen_width_m > 0 || options->screen_fov_deg > 0 ? TRK_TAKES_SCREEN : 0);
-    if (given & ~format->takes)
-        return trk_fail(out_error, "%s: a log of %s has a fixed %s, expected none to be told", path,
-                        format->name,
-                        given & ~format->takes & TRK_TAKES_TIME_UNIT ? "time unit"
-                        : given & ~format->takes & TRK_TAKES_FRAME   ? "frame"
-                                                                     : "geometry without a screen");
-    reading->log->format = format->name;
-    if (!format->read(reading, out_error)) return false;
+    trk_header_parse(&reading->header, lines->text, reading->separator);
+    return true;
+}
+
+/* Of options that this format has no use for. */
+static bool check_taken(const struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
+{
+    static const char *const names[] = {"has a fixed time unit", "has a fixed frame",
+                                        "has a fixed geometry without a screen", "holds one recording"};
+    const struct trk_log_options *options = reading->options;
+    const bool given[] = {options->time_unit, options->frame,
+                          options->screen_width_m > 0 || options->screen_fov_deg > 0, options->recording};
+    for (int i = 0; i < 4; i++)
+        if (given[i] && !(reading->format->takes & 1u << i))
+            return trk_fail(out_error, "%s: a log of %s %s, expected none to be told", reading->lines.path,
+                            reading->format->name, names[i]);
+    return true;
+}
+
+static bool read_reading(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
+{
+    const char *path = reading->lines.path, *name = reading->options->format;
+    if (!read_head(reading, out_error)) return false;
+    reading->format = name ? by_name(name, out_error) : detect(reading, out_error);
+    if (!reading->format || !check_taken(reading, out_error)) return false;
+    reading->log->format = reading->format->name;
+    if (!reading->format->read(reading, out_error)) return false;
     if (reading->log->count == 0)
         return trk_fail(out_error, "%s: holds no samples, expected at least one row after the header", path);
     put_in_order(reading);
+    if (!trk_check_clocks(reading, out_error)) return false;
+    if (reading->eyes_mean)
+        trk_assume(reading, "%s",
+                   reading->format->says_mean ? reading->format->says_mean : "gaze is the mean of the eyes");
+    trk_say_dialect(reading);
     return true;
 }
 
@@ -284,7 +304,7 @@ bool trk_log_read_with(const char *path, const struct trk_log_options *options, 
     reading->lines.path = path;
     reading->options = options;
     reading->log = out_log;
-    reading->lines.file = open_file(path, out_error);
+    reading->lines.file = open_file(out_log, path, out_error);
     bool ok = reading->lines.file && read_reading(reading, out_error);
     if (reading->lines.file) gzclose(reading->lines.file);
     free(reading);
@@ -297,15 +317,36 @@ bool trk_log_read(const char *path, struct trk_log *out_log, char out_error[TRK_
     return trk_log_read_with(path, &(const struct trk_log_options){0}, out_log, out_error);
 }
 
-bool trk_log_write(const char *path, const struct trk_log *log, char out_error[TRK_ERROR_SIZE])
+/* A file that may be written: none that the log was read from, and none that is there unless it may go. */
+static bool may_be_written(const char *path, const struct trk_log *log, bool replace,
+                           char out_error[TRK_ERROR_SIZE])
+{
+    struct stat status;
+    if (trk_log_is_from(log, path))
+        return trk_fail(
+            out_error, "%s: is the log itself, or a file that it was read with; expected another name", path);
+    if (lstat(path, &status) != 0) return true;
+    if (!S_ISREG(status.st_mode) &&
+        (!S_ISLNK(status.st_mode) || (stat(path, &status) == 0 && !S_ISREG(status.st_mode))))
+        return trk_fail(out_error, "%s: not a regular file, expected a place for a gaze log", path);
+    if (!replace) return trk_fail(out_error, "%s: exists, expected another name or --replace", path);
+    return true;
+}
+
+bool trk_log_write(const char *path, const struct trk_log *log, bool replace, char out_error[TRK_ERROR_SIZE])
 {
     static const char bids[] = ".tsv.gz";
     size_t length = strlen(path);
-    struct stat status;
-    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
-        return trk_fail(out_error, "%s: not a regular file, expected a place for a gaze log", path);
+    char *sidecar = NULL;
     bool is_bids = length > strlen(bids) && strcmp(path + length - strlen(bids), bids) == 0;
-    return (is_bids ? trk_bids_write : trk_own_write)(path, log, out_error);
+    if (!may_be_written(path, log, replace, out_error)) return false;
+    if (!is_bids) return trk_own_write(path, log, out_error);
+    if (asprintf(&sidecar, "%.*s.json", (int)(length - strlen(bids)), path) < 0)
+        return trk_fail(out_error, "%s: no memory", path);
+    bool ok =
+        may_be_written(sidecar, log, replace, out_error) && trk_bids_write(path, sidecar, log, out_error);
+    free(sidecar);
+    return ok;
 }
 
 void trk_log_finish(struct trk_log *log)

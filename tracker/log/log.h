@@ -14,9 +14,9 @@
 #include <zlib.h>
 
 enum {
-    TRK_LINE_SIZE = 16384,           /* bytes of a line with its end: Tobii's headers come near half of it */
+    TRK_LINE_SIZE = 1 << 20,         /* bytes of a line with its end: Tobii names a column for every area */
     TRK_HEAD_SIZE = 16384,           /* bytes of a file that tell its format */
-    TRK_MAX_FIELDS = 512,            /* columns of a line */
+    TRK_MAX_FIELDS = 1 << 14,        /* columns of a line */
     TRK_MAX_ROWS = 64 * 1024 * 1024, /* 6 days at 120 Hz */
 };
 
@@ -34,15 +34,21 @@ enum {
 
 /* --- lines ---------------------------------------------------------------------------------------------- */
 
+enum { TRK_BUFFER_SIZE = 65536 };
+
 /* A file, line by line; gzip is unpacked on the way. */
 struct trk_lines {
     const char *path; /* borrowed */
     gzFile file;
-    uint64_t bytes;           /* taken so far */
+    uint64_t bytes;           /* unpacked so far */
     size_t number;            /* of the line in text, from 1 */
-    bool has_newline;         /* the line was ended, not cut off by the end of the file */
-    char text[TRK_LINE_SIZE]; /* without its end, LF or CRLF, and mark of UTF-8; holds no NUL byte but the
-                                 last */
+    char end;                 /* of lines: LF, or CR in a file that has no LF */
+    bool has_end;             /* the line was ended, not cut off by the end of the file */
+    bool is_gzip_cut;         /* the gzip data ended too soon: so did the lines */
+    size_t taken, filled;     /* of buffer, bytes */
+    char text[TRK_LINE_SIZE]; /* without its end (LF, CR, CR LF, CR CR LF) and mark of UTF-8; holds no NUL
+                                 byte but the last */
+    char buffer[TRK_BUFFER_SIZE];
 };
 
 enum trk_line { TRK_LINE, TRK_LINE_END, TRK_LINE_FAILED };
@@ -51,16 +57,12 @@ enum trk_line { TRK_LINE, TRK_LINE_END, TRK_LINE_FAILED };
  * that is too long, a NUL byte (the file is no text), damaged or oversized gzip. */
 enum trk_line trk_lines_next(struct trk_lines *lines, char out_error[TRK_ERROR_SIZE]);
 
+/* Go back to before the first line. */
+void trk_lines_rewind(struct trk_lines *lines);
+
 /* Write "PATH:LINE: <message>" for the line that was read last; returns false. */
 bool trk_lines_fail(const struct trk_lines *lines, char out_error[TRK_ERROR_SIZE], const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-
-/* A separator that is any run of spaces and tabs; those at the ends of a line separate nothing. */
-enum { TRK_BLANKS = 1 };
-
-/* Cut text in place at every separator; fields that are adjacent to nothing are empty. Returns their number,
- * and fills the first TRK_MAX_FIELDS of out_fields, which point into text. */
-size_t trk_split(char *text, char separator, char *out_fields[TRK_MAX_FIELDS]);
 
 /* --- numbers -------------------------------------------------------------------------------------------- */
 
@@ -88,23 +90,48 @@ struct trk_header {
     char separator; /* tab, ';', ',' or TRK_BLANKS */
 };
 
+/* Whose rows they are, where a table holds several recordings: participant and recording. */
+enum { TRK_MAX_RECORDINGS = 32, TRK_RECORDING_SIZE = 128 };
+struct trk_recording {
+    char participant[TRK_RECORDING_SIZE], name[TRK_RECORDING_SIZE]; /* "" where there is no column */
+};
+
 struct trk_reading {
     struct trk_lines lines;
     const struct trk_log_options *options;
-    char head[TRK_HEAD_SIZE + 1]; /* what the file begins with */
+    char head[TRK_HEAD_SIZE + 1]; /* what the file begins with, CRs as LFs, no BOM */
     struct trk_header header;     /* its first line */
+    char separator;               /* that a line sep=; before the header names; 0: none does */
+    const struct trk_log_format *format;
     struct trk_log *log;
     size_t capacity; /* of log->samples */
     /* Set by a format whose rows may come out of order by up to TRK_MAX_DISORDER_NS; they are sorted in the
      * end. */
     bool disordered;
     size_t late; /* rows that came after a later one */
+    /* What the file calls the clocks of device_ns and of arrival_ns; NULL: arrival_ns is that of the first.
+     */
+    const char *clock_names[2];
+    /* What was met on the way and is said in the end. */
+    bool has_decimal_commas;
+    size_t rows;      /* taken, however often */
+    size_t cut_line;  /* the number of a line that was cut off; 0: none was */
+    size_t eyes_mean; /* samples whose gaze is the mean of two eyes */
+    /* Times with an exponent, as spreadsheets write them (1.70000E+18): the first, what its last digit is
+     * worth (ns), and whether there are others without. */
+    char exponent_time[32];
+    double exponent_step_ns;
+    bool has_plain_times;
+    struct trk_recording recordings[TRK_MAX_RECORDINGS]; /* that were met */
+    size_t recording_count;
+    bool has_more_recordings; /* than there is room for */
+    char scratch[TRK_LINE_SIZE];
 };
 
 #define TRK_MAX_DISORDER_NS UINT64_C(1000000000)
 
 /* Options that a format can make use of; one that it cannot is refused. */
-enum { TRK_TAKES_TIME_UNIT = 1, TRK_TAKES_FRAME = 2, TRK_TAKES_SCREEN = 4 };
+enum { TRK_TAKES_TIME_UNIT = 1, TRK_TAKES_FRAME = 2, TRK_TAKES_SCREEN = 4, TRK_TAKES_RECORDING = 8 };
 
 struct trk_log_format {
     const char *id;   /* what trk_log_options.format calls it */
@@ -113,6 +140,11 @@ struct trk_log_format {
     /* Told by columns that its header has, up to six; or, where that does not do, by a function. */
     const char *columns[7];
     bool (*detect)(const struct trk_reading *reading);
+    /* What a row ends with that is surely whole, even if it is the file's last one and has no line end; NULL:
+     * no row is. */
+    const char *closes;
+    /* What is said where gaze is the mean of the eyes; NULL: just that. */
+    const char *says_mean;
     /* Read the whole file; lines.text holds the first line. On failure the caller frees what the log has. */
     bool (*read)(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE]);
 };
@@ -125,39 +157,89 @@ bool trk_log_append(struct trk_reading *reading, const struct trk_sample *sample
 /* Note what was taken for granted, for trk_log.assumed. */
 void trk_assume(struct trk_reading *reading, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+/* --- dialects ------------------------------------------------------------------------------------------- */
+
+/* What every format lets a file vary in, as programs and spreadsheets write them: ends of lines, empty lines,
+ * quotes, separators, decimal commas, words for what is missing, an end that was cut off. */
+
+/* A separator that is any run of spaces and tabs; those at the ends of a line separate nothing. */
+enum { TRK_BLANKS = 1 };
+
+/* Cut text in place at every separator; fields that are adjacent to nothing are empty. Returns their number,
+ * and fills the first TRK_MAX_FIELDS of out_fields, which point into text. At commas, semicolons and tabs,
+ * blanks around a field go, and so do quotes, inside of which a separator is none and "" is a quote. */
+size_t trk_split(char *text, char separator, char *out_fields[TRK_MAX_FIELDS]);
+
+/* The separator that a line of names has most of, outside of quotes; TRK_BLANKS if it has none. */
+char trk_separator_of(const char *line);
+
+/* Take the first line that is not empty, past one that names the separator (sep=;). */
+enum trk_line trk_first_row(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE]);
+
+/* Take the next line that is not empty. TRK_LINE_END too if the file ends without ending that line, which was
+ * then cut off: it is left out and noted. */
+enum trk_line trk_next_row(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE]);
+
+/* What becomes of a row that is too short: TRK_LINE_END, noted, if it is the last of several, so that the
+ * file was cut off; else TRK_LINE_FAILED. */
+enum trk_line trk_short_row(struct trk_reading *reading);
+
+/* A field that says that there is no value: empty, NaN, -nan(ind), n/a, #N/A, ?, `.` and others. */
+bool trk_is_missing(const char *field);
+
+/* A number, with a decimal point or comma; NaN where it is missing. False if it is anything else or infinite.
+ * A comma is changed in place. */
+bool trk_field_number(struct trk_reading *reading, char *field, double *out_value);
+
+/* The same for a time, which must not be missing: see trk_parse_time(). */
+bool trk_field_time(struct trk_reading *reading, char *field, double unit_ns, int64_t *out_ns);
+
+/* Say what was met on the way: to be called when all rows are read. */
+void trk_say_dialect(struct trk_reading *reading);
+
 /* --- tables --------------------------------------------------------------------------------------------- */
 
 /* A table that is being read: rows under the reading's header. */
 struct trk_table {
     struct trk_reading *reading;
-    char separator;     /* of the rows */
-    bool decimal_comma; /* numbers may be written 1,5; noted in was_comma */
-    bool was_comma;
+    char separator;               /* of the rows; 0 until the first one tells it */
     bool may_be_short;            /* fields at a row's end may be left off: they are empty */
+    char comment;                 /* that a line begins with which is no row; 0: none */
+    int participant, recording;   /* columns that tell recordings apart; -1: none */
     char *fields[TRK_MAX_FIELDS]; /* of the row that was taken last */
+    /* Called when a row has been cut into so many fields; returns how many it makes of them. NULL: as many.
+     */
+    size_t (*mend)(void *reader, struct trk_table *table, size_t count);
+    void *reader;
 };
 
-void trk_header_parse(struct trk_header *header, const char *line);
+/* separator 0: the one that trk_separator_of() finds. */
+void trk_header_parse(struct trk_header *header, const char *line, char separator);
 
 /* The column of that name; names are compared by their letters and digits alone, without regard to case and
  * to what stands in square brackets. -1: there is none. The first of several. */
 int trk_header_find(const struct trk_header *header, const char *name);
 
+/* Has it all of these columns? The list ends with NULL; an empty one is no header's. */
+bool trk_header_has(const struct trk_header *header, const char *const columns[]);
+
 /* The one that has unit in its square brackets too, or has no brackets. */
 int trk_header_find_unit(const struct trk_header *header, const char *name, const char *unit);
 
+/* Under the reading's header. */
 void trk_table_init(struct trk_table *table, struct trk_reading *reading);
 
 /* Find n columns; false with a message if one is missing. */
 bool trk_table_need(struct trk_table *table, const char *const names[], int n, int out_columns[],
                     char out_error[TRK_ERROR_SIZE]);
 
-/* Take the next row that is not empty. TRK_LINE_FAILED too if its number of fields is not the header's; one
- * more, empty, is let pass. */
+/* Take the next row that is not empty and belongs to the recording that is asked for. TRK_LINE_FAILED too if
+ * its number of fields is not the header's (empty ones after the last are let pass), or if it is of another
+ * recording than the rows before and none was asked for. */
 enum trk_line trk_table_next(struct trk_table *table, char out_error[TRK_ERROR_SIZE]);
 
 /* The same with the line that was taken already. */
-enum trk_line trk_table_split(struct trk_table *table, char out_error[TRK_ERROR_SIZE]);
+enum trk_line trk_table_first(struct trk_table *table, char out_error[TRK_ERROR_SIZE]);
 
 /* Read all rows: read_row makes a sample of the row in hand, or leaves its sequence 0 if the row is none; it
  * gets reader. False with a message when a row is refused. */
@@ -166,12 +248,16 @@ bool trk_table_read(struct trk_table *table,
                                      char out_error[TRK_ERROR_SIZE]),
                     void *reader, char out_error[TRK_ERROR_SIZE]);
 
-/* A number of the row; NaN where it is missing (empty, NaN, n/a, `.`, or column -1). False with a message if
- * it is anything else or infinite. */
+/* A number of the row; NaN where it is missing, or column is -1. False with a message if it is anything else
+ * or infinite. */
 bool trk_table_number(struct trk_table *table, int column, double *out_value, char out_error[TRK_ERROR_SIZE]);
 
 /* n numbers in the columns given, as floats. */
 bool trk_table_numbers(struct trk_table *table, const int *columns, int n, float *out_values,
+                       char out_error[TRK_ERROR_SIZE]);
+
+/* A whole number; false with a message if it is missing or anything else. */
+bool trk_table_integer(struct trk_table *table, int column, int64_t *out_value,
                        char out_error[TRK_ERROR_SIZE]);
 
 bool trk_table_time(struct trk_table *table, int column, double unit_ns, int64_t *out_ns,
@@ -181,6 +267,15 @@ bool trk_table_time(struct trk_table *table, int column, double unit_ns, int64_t
  * recorded at 20 to 2500 Hz, and of s, ms, us and ns only one puts it there. Leaves the reading at the first
  * row. 0 with a message when none does. An option that names the unit is followed instead. */
 double trk_table_guess_unit(struct trk_table *table, int column, char out_error[TRK_ERROR_SIZE]);
+
+/* Whose row it is that was taken last. Several: the option means more than one, or there is none and the rows
+ * before were another's. */
+enum trk_recording_row { TRK_RECORDING_WANTED, TRK_RECORDING_OTHER, TRK_RECORDING_SEVERAL };
+enum trk_recording_row trk_recording_of_row(struct trk_table *table);
+
+/* At the end of the rows: is there one recording that was asked for? False with a message that names those
+ * that there are. */
+bool trk_recording_is_met(const struct trk_table *table, char out_error[TRK_ERROR_SIZE]);
 
 /* --- time, frames, screens ------------------------------------------------------------------------------ */
 
@@ -200,6 +295,11 @@ struct trk_log_clock {
 };
 bool trk_log_clock_count(struct trk_log_clock *clock, int64_t time_ns, const struct trk_lines *lines,
                          uint64_t *out_ns, char out_error[TRK_ERROR_SIZE]);
+
+/* Are the times of the samples so far no clock: all the same, or the same for most rows and then far apart,
+ * or rounded by a spreadsheet? False with a line that says so, unless the log's other clock can be taken
+ * instead, which is noted. */
+bool trk_check_clocks(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE]);
 
 /* How a file's vectors turn into ours (+X right, +Y up, -Z forward): three letters say where its +X, +Y and
  * +Z point, of L left or R right, U up or D down, F forward or B back. */
@@ -224,8 +324,8 @@ struct trk_plane {
     double sign[2];             /* 1 where x grows to the right, y upwards */
 };
 
-/* Its geometry from the options, else the default of own_fov_deg across, which is noted. width and height in
- * the unit of x and y; aspect is the true width by height. */
+/* Its geometry from the options, else the default of own_fov_deg across, which is noted (not if what is
+ * NULL). width and height in the unit of x and y; aspect is the true width by height. */
 bool trk_plane_init(struct trk_plane *plane, struct trk_reading *reading, double width, double height,
                     double aspect, double own_fov_deg, const char *what, char out_error[TRK_ERROR_SIZE]);
 void trk_plane_direction(const struct trk_plane *plane, double x, double y, float out_direction[3]);
@@ -251,13 +351,24 @@ void trk_set_origin(struct trk_sample *sample, int eye, const float origin[3], f
 void trk_set_pupil(struct trk_sample *sample, int eye, double mm);
 void trk_set_openness(struct trk_sample *sample, int eye, double openness);
 
-/* The combined gaze where the file has none: the mean of the eyes that are valid; one is enough. */
-void trk_combine(struct trk_sample *sample);
+/* The combined gaze where the file has none: the mean of the eyes that are valid; one is enough. True if it
+ * is that of two. */
+bool trk_combine(struct trk_sample *sample);
 
 /* Unity's frame is left-handed, +X right, +Y up, +Z forward, in metres; mirroring Z takes it to ours. Its
  * Euler angles are degrees, applied about Z, then X, then Y. Numbers that are not finite leave the pose
  * unset. */
 void trk_set_unity_head(struct trk_sample *sample, const float position[3], const float rotation[4]);
 void trk_unity_euler(const float angles_deg[3], float out_rotation[4]);
+
+/* --- files ---------------------------------------------------------------------------------------------- */
+
+/* Files that are no gaze log, and are refused by name: what their first bytes, of which head holds size, or
+ * their header tell. False with a message if it is one. */
+bool trk_check_magic(const struct trk_reading *reading, size_t size, char out_error[TRK_ERROR_SIZE]);
+bool trk_check_namesakes(const struct trk_reading *reading, char out_error[TRK_ERROR_SIZE]);
+
+/* Keep in mind that the log was made from this file: it is not to be written over. */
+void trk_note_source(struct trk_log *log, int fd);
 
 #endif

@@ -84,13 +84,14 @@ static bool detect(const struct trk_reading *reading)
     return strncmp(reading->lines.text, MAGIC, strlen(MAGIC)) == 0;
 }
 
-static bool read_header(struct trk_lines *lines, size_t *out_columns, char out_error[TRK_ERROR_SIZE])
+static bool read_header(struct trk_reading *reading, size_t *out_columns, char out_error[TRK_ERROR_SIZE])
 {
+    struct trk_lines *lines = &reading->lines;
     if (strcmp(lines->text, MAGIC VERSION) != 0)
         return trk_lines_fail(lines, out_error, "'%.40s', expected '" MAGIC VERSION "'", lines->text);
     enum trk_line line;
     do {
-        line = trk_lines_next(lines, out_error);
+        line = trk_next_row(reading, out_error);
     } while (line == TRK_LINE && lines->text[0] == '#');
     if (line == TRK_LINE_FAILED) return false;
     if (line == TRK_LINE_END) lines->text[0] = '\0';
@@ -150,16 +151,14 @@ static bool read_own(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE]
 {
     struct trk_lines *lines = &reading->lines;
     size_t columns_here;
-    if (!read_header(lines, &columns_here, out_error)) return false;
+    if (!read_header(reading, &columns_here, out_error)) return false;
+    reading->clock_names[0] = whole_names[DEVICE];
+    reading->clock_names[1] = whole_names[ARRIVAL];
     for (;;) {
-        enum trk_line line = trk_lines_next(lines, out_error);
+        enum trk_line line = trk_next_row(reading, out_error);
         if (line == TRK_LINE_END) return true;
         if (line == TRK_LINE_FAILED) return false;
         if (lines->text[0] == '#') continue;
-        if (!lines->has_newline) {
-            trk_assume(reading, "line %zu was cut off and is left out", lines->number);
-            return true;
-        }
         struct trk_sample sample;
         if (!read_row(lines, columns_here, &sample, out_error)) return false;
         if (!trk_log_append(reading, &sample, out_error)) return false;
@@ -186,12 +185,12 @@ static size_t print_float(char *out, size_t size, float value)
     return (size_t)length;
 }
 
-size_t trk_own_header(bool with_screen, char out_text[TRK_LINE_SIZE])
+size_t trk_own_header(bool with_screen, char out_text[TRK_OWN_SIZE])
 {
     const size_t count = with_screen ? WITH_SCREEN : PLAIN;
-    size_t length = (size_t)snprintf(out_text, TRK_LINE_SIZE, MAGIC VERSION "\n");
+    size_t length = (size_t)snprintf(out_text, TRK_OWN_SIZE, MAGIC VERSION "\n");
     for (size_t i = 0; i < count; i++)
-        length += (size_t)snprintf(out_text + length, TRK_LINE_SIZE - length, "%s%c", column_name(i),
+        length += (size_t)snprintf(out_text + length, TRK_OWN_SIZE - length, "%s%c", column_name(i),
                                    i < count - 1 ? SEPARATOR : '\n');
     return length;
 }
@@ -211,15 +210,15 @@ bool trk_own_accepts(const struct trk_sample *sample)
     return true;
 }
 
-size_t trk_own_row(const struct trk_sample *sample, bool with_screen, char out_text[TRK_LINE_SIZE])
+size_t trk_own_row(const struct trk_sample *sample, bool with_screen, char out_text[TRK_OWN_SIZE])
 {
     const uint32_t bits = sample->valid & (with_screen ? all_bits : all_bits & ~(uint32_t)TRK_SCREEN);
-    size_t length = (size_t)snprintf(out_text, TRK_LINE_SIZE, "%" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu32,
+    size_t length = (size_t)snprintf(out_text, TRK_OWN_SIZE, "%" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu32,
                                      sample->sequence, sample->device_ns, sample->arrival_ns, bits);
     for (size_t i = 0; i < (with_screen ? WITH_SCREEN : PLAIN) - WHOLE; i++) {
         float value = 0;
         if (bits & columns[i].bit) memcpy(&value, (const char *)sample + columns[i].offset, sizeof value);
-        length += print_float(out_text + length, TRK_LINE_SIZE - length, value);
+        length += print_float(out_text + length, TRK_OWN_SIZE - length, value);
     }
     out_text[length++] = '\n'; /* 80 digits and 31 floats of 16 bytes leave room in a line of 4096 */
     out_text[length] = '\0';
@@ -228,7 +227,7 @@ size_t trk_own_row(const struct trk_sample *sample, bool with_screen, char out_t
 
 static void write_rows(FILE *file, const struct trk_log *log)
 {
-    char text[TRK_LINE_SIZE];
+    char text[TRK_OWN_SIZE];
     bool with_screen = false;
     for (size_t i = 0; i < log->count; i++) with_screen |= (log->samples[i].valid & TRK_SCREEN) != 0;
     fwrite(text, 1, trk_own_header(with_screen, text), file);

@@ -26,9 +26,12 @@
 
 #include "log/log.h"
 
+/* Room for the first two lines, and for the line of one sample, bytes. */
+enum { TRK_OWN_SIZE = 4096 };
+
 /* The first two lines, and the line of one sample, as they stand in a file. Each returns its length. */
-size_t trk_own_header(bool with_screen, char out_text[TRK_LINE_SIZE]);
-size_t trk_own_row(const struct trk_sample *sample, bool with_screen, char out_text[TRK_LINE_SIZE]);
+size_t trk_own_header(bool with_screen, char out_text[TRK_OWN_SIZE]);
+size_t trk_own_row(const struct trk_sample *sample, bool with_screen, char out_text[TRK_OWN_SIZE]);
 /* Would trk_log_read() take its row? What is valid must be finite, and of unit length where that is asked. */
 bool trk_own_accepts(const struct trk_sample *sample);
 

@@ -70,12 +70,11 @@ static bool read_pico(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE
     struct reader reader = {.frame = trk_reading_frame(reading, "RUF"),
                             .unit_ns = trk_time_unit(reading, 1e9)};
     trk_table_init(&reader.table, reading);
-    reader.table.decimal_comma = reading->header.separator == '\t';
     if (!trk_table_need(&reader.table, needed, NEEDED, reader.place, out_error)) return false;
+    reading->clock_names[0] = needed[TIME];
     for (int i = 0; i < OPTIONAL; i++) reader.extra[i] = trk_header_find(&reading->header, optional[i]);
     if (!reading->options->frame) trk_assume(reading, "gaze is in Unity's frame (RUF)");
     if (!trk_table_read(&reader.table, read_row, &reader, out_error)) return false;
-    if (reader.table.was_comma) trk_assume(reading, "commas in numbers are decimal");
     if (reader.clock.held) trk_assume(reading, "times that go back, held: %zu", reader.clock.held);
     return true;
 }
@@ -83,7 +82,7 @@ static bool read_pico(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE
 const struct trk_log_format trk_log_pico = {
     .id = "pico",
     .name = "Pico",
-    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME,
+    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME | TRK_TAKES_RECORDING,
     .columns = {"Timeline", "Combine Eye Gaze Vector. x"},
     .read = read_pico,
 };

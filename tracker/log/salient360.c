@@ -21,6 +21,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 /* The columns of one family, in an order that both share. */
 enum {
@@ -61,46 +62,38 @@ struct reader {
     struct trk_log_clock device, host;
     double device_unit_ns;
     int place[COLUMNS];
-    int valid[2];    /* columns of the eyes' flags */
-    bool is_dynamic; /* with the family's defect to be mended */
+    int valid[2]; /* columns of the eyes' flags */
+    bool is_dynamic;
     size_t mended;
     int64_t first_host_ms;
     uint64_t sequence;
 };
 
-/* Put back the comma that the dynamic family lacks: before a word that stands against a number. */
-static void mend_row(struct reader *reader)
+/* Put back the separator that the dynamic family lacks: before a word that stands against a number. */
+static size_t mend_row(void *context, struct trk_table *table, size_t count)
 {
-    char *text = reader->table.reading->lines.text;
-    size_t commas = 0;
-    for (const char *c = text; *c; c++) commas += *c == ',';
-    if (commas + 2 != reader->table.reading->header.count) return;
-    char *word = strstr(text, "True"), *other = strstr(text, "False");
-    if (!word || (other && other < word)) word = other;
-    if (!word || word == text || word[-1] == ',') return;
-    size_t rest = strlen(word);
-    if ((size_t)(word - text) + rest + 2 > TRK_LINE_SIZE) return;
-    memmove(word + 1, word, rest + 1);
-    *word = ',';
-    reader->mended++;
-}
-
-static enum trk_line next_row(struct reader *reader, char out_error[TRK_ERROR_SIZE])
-{
-    enum trk_line line;
-    do {
-        line = trk_lines_next(&reader->table.reading->lines, out_error);
-    } while (line == TRK_LINE && reader->table.reading->lines.text[0] == '\0');
-    if (line != TRK_LINE) return line;
-    if (reader->is_dynamic) mend_row(reader);
-    return trk_table_split(&reader->table, out_error);
+    static char words[2][6] = {"False", "True"};
+    struct reader *reader = context;
+    if (count + 1 != table->reading->header.count) return count;
+    for (size_t i = 0; i < count; i++)
+        for (int k = 0; k < 2; k++) {
+            size_t length = strlen(table->fields[i]), size = strlen(words[k]);
+            if (length <= size || strcasecmp(table->fields[i] + length - size, words[k]) != 0) continue;
+            table->fields[i][length - size] = '\0';
+            memmove(&table->fields[i + 2], &table->fields[i + 1], (count - i - 1) * sizeof *table->fields);
+            table->fields[i + 1] = words[k];
+            reader->mended++;
+            return count + 1;
+        }
+    return count;
 }
 
 static bool read_flag(struct reader *reader, int column, bool *out_flag, char out_error[TRK_ERROR_SIZE])
 {
     const char *field = reader->table.fields[column];
-    *out_flag = strcmp(field, "True") == 0;
-    if (*out_flag || strcmp(field, "False") == 0) return true;
+    *out_flag = strcasecmp(field, "true") == 0 || strcmp(field, "1") == 0;
+    if (*out_flag || strcasecmp(field, "false") == 0 || strcmp(field, "0") == 0 || trk_is_missing(field))
+        return true;
     return trk_lines_fail(&reader->table.reading->lines, out_error, "%s is '%.40s', expected True or False",
                           reader->table.reading->header.names[column], field);
 }
@@ -134,15 +127,16 @@ static bool read_host(struct reader *reader, int64_t *out_ns, char out_error[TRK
                           reader->table.reading->header.names[reader->place[HOST]]);
 }
 
-static bool read_row(struct reader *reader, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
+static bool read_row(void *context, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
 {
+    struct reader *reader = context;
     const struct trk_lines *lines = &reader->table.reading->lines;
     int64_t device_ns, host_ns;
     if (!trk_table_time(&reader->table, reader->place[DEVICE], reader->device_unit_ns, &device_ns,
                         out_error) ||
         !read_host(reader, &host_ns, out_error))
         return false;
-    *sample = (struct trk_sample){.sequence = ++reader->sequence};
+    sample->sequence = ++reader->sequence;
     if (!trk_log_clock_count(&reader->device, device_ns, lines, &sample->device_ns, out_error) ||
         !trk_log_clock_count(&reader->host, host_ns, lines, &sample->arrival_ns, out_error))
         return false;
@@ -158,20 +152,15 @@ static bool read_row(struct reader *reader, struct trk_sample *sample, char out_
         trk_set_direction(sample, eye, direction, &reader->frame);
         trk_set_origin(sample, eye, origin, 1, &reader->frame);
     }
-    trk_combine(sample);
+    reader->table.reading->eyes_mean += trk_combine(sample);
     return read_head(reader, sample, out_error);
 }
 
 static bool read_rows(struct reader *reader, struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
 {
-    for (;;) {
-        struct trk_sample sample;
-        enum trk_line line = next_row(reader, out_error);
-        if (line == TRK_LINE_FAILED) return false;
-        if (line == TRK_LINE_END) break;
-        if (!read_row(reader, &sample, out_error) || !trk_log_append(reading, &sample, out_error))
-            return false;
-    }
+    reading->clock_names[0] = reading->header.names[reader->place[DEVICE]];
+    reading->clock_names[1] = reading->header.names[reader->place[HOST]];
+    if (!trk_table_read(&reader->table, read_row, reader, out_error)) return false;
     if (reader->mended) trk_assume(reading, "rows whose missing comma was put back: %zu", reader->mended);
     if (reader->device.held + reader->host.held)
         trk_assume(reading, "times that go back were held (%zu of the tracker, %zu of the host)",
@@ -188,7 +177,6 @@ static bool read_static(struct trk_reading *reading, char out_error[TRK_ERROR_SI
     if (!trk_table_need(&reader.table, static_names, COLUMNS, reader.place, out_error) ||
         !trk_table_need(&reader.table, flags, 2, reader.valid, out_error))
         return false;
-    trk_assume(reading, "gaze is the mean of the eyes (the file's own mean is in no known frame)");
     return read_rows(&reader, reading, out_error);
 }
 
@@ -202,6 +190,9 @@ static bool read_dynamic(struct trk_reading *reading, char out_error[TRK_ERROR_S
     if (!trk_table_need(&reader.table, dynamic_names, HEAD_ROTATION + 3, reader.place, out_error) ||
         !trk_table_need(&reader.table, flags, 2, reader.valid, out_error))
         return false;
+    reader.table.separator = reading->header.separator;
+    reader.table.mend = mend_row;
+    reader.table.reader = &reader;
     if (trk_header_find(&reading->header, "sphere_yaw") >= 0)
         trk_assume(reading, "sphere_yaw (how the picture was turned) is not applied");
     return read_rows(&reader, reading, out_error);
@@ -210,7 +201,8 @@ static bool read_dynamic(struct trk_reading *reading, char out_error[TRK_ERROR_S
 const struct trk_log_format trk_log_salient360_static = {
     .id = "salient360-static",
     .name = "Salient360 static",
-    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME,
+    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME | TRK_TAKES_RECORDING,
+    .says_mean = "gaze is the mean of the eyes (the file's own mean is in no known frame)",
     .columns = {"OcutimeStamp", "leftEyeDirection.x", "cameraRotation.x"},
     .read = read_static,
 };
@@ -218,7 +210,8 @@ const struct trk_log_format trk_log_salient360_static = {
 const struct trk_log_format trk_log_salient360_dynamic = {
     .id = "salient360-dynamic",
     .name = "Salient360 dynamic",
-    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME,
+    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME | TRK_TAKES_RECORDING,
+    .says_mean = "gaze is the mean of the eyes, and not the file's meanGazeDir",
     .columns = {"oculoTS", "leftGazeDir.x", "cam_pitch"},
     .read = read_dynamic,
 };

@@ -66,7 +66,7 @@ struct reader {
     struct trk_table table;
     struct trk_frame frame;
     int place[COLUMNS]; /* where each of ours is; -1 for a head that is not there */
-    bool started, separated;
+    bool started;
     int64_t first_tick, first_frame;
     uint32_t last_stamp;
     uint64_t device_ms, sequence;
@@ -90,56 +90,14 @@ static bool read_header(struct reader *reader, char out_error[TRK_ERROR_SIZE])
                           out_error);
 }
 
-/* Rows may be separated by something else than the header: what the first of them holds says it. */
-static enum trk_line next_row(struct reader *reader, char out_error[TRK_ERROR_SIZE])
-{
-    static const char others[] = {'\t', ';', ','};
-    struct trk_table *table = &reader->table;
-    struct trk_lines *lines = &reader->reading->lines;
-    if (!reader->separated) {
-        enum trk_line line;
-        do {
-            line = trk_lines_next(lines, out_error);
-        } while (line == TRK_LINE && lines->text[0] == '\0');
-        if (line != TRK_LINE) return line;
-        reader->separated = true;
-        if (table->separator == TRK_BLANKS || !strchr(lines->text, table->separator))
-            for (size_t i = sizeof others; i-- > 0;)
-                if (strchr(lines->text, others[i])) table->separator = others[i];
-        return trk_table_split(table, out_error);
-    }
-    return trk_table_next(table, out_error);
-}
-
-static bool read_integer(struct reader *reader, int column, int64_t *out_value,
-                         char out_error[TRK_ERROR_SIZE])
-{
-    const char *field = reader->table.fields[reader->place[column]];
-    if (trk_parse_int64(field, out_value)) return true;
-    return trk_lines_fail(&reader->reading->lines, out_error, "%s is '%.40s', expected a whole number",
-                          names[column], field);
-}
-
-/* n numbers in columns that follow each other in our order. When they are not valid, whatever text is there
- * passes. */
-static bool read_floats(struct reader *reader, int column, int n, bool valid, float *out_values,
-                        char out_error[TRK_ERROR_SIZE])
-{
-    for (int i = 0; i < n && valid; i++) {
-        const char *field = reader->table.fields[reader->place[column + i]];
-        if (!trk_parse_float(field, &out_values[i]) || !isfinite(out_values[i]))
-            return trk_lines_fail(&reader->reading->lines, out_error,
-                                  "%s is '%.40s', expected a finite number", names[column + i], field);
-    }
-    return true;
-}
-
 /* Both clocks and the sequence number. */
 static bool read_time(struct reader *reader, struct trk_sample *out_sample, char out_error[TRK_ERROR_SIZE])
 {
+    struct trk_table *table = &reader->table;
     int64_t tick, stamp, frame;
-    if (!read_integer(reader, TICKS, &tick, out_error) || !read_integer(reader, STAMP, &stamp, out_error) ||
-        !read_integer(reader, FRAME, &frame, out_error))
+    if (!trk_table_time(table, reader->place[TICKS], 1, &tick, out_error) ||
+        !trk_table_integer(table, reader->place[STAMP], &stamp, out_error) ||
+        !trk_table_integer(table, reader->place[FRAME], &frame, out_error))
         return false;
     if (stamp < INT32_MIN || stamp > UINT32_MAX || frame < INT32_MIN || frame > UINT32_MAX)
         return trk_lines_fail(&reader->reading->lines, out_error,
@@ -173,28 +131,38 @@ static bool read_time(struct reader *reader, struct trk_sample *out_sample, char
     return true;
 }
 
+/* n numbers in columns that follow each other in our order; NaN where they are missing. When they are not
+ * valid, whatever text is there passes. */
+static bool read_floats(struct reader *reader, int column, int n, bool valid, float *out_values,
+                        char out_error[TRK_ERROR_SIZE])
+{
+    for (int i = 0; i < n; i++) out_values[i] = NAN;
+    return !valid || trk_table_numbers(&reader->table, &reader->place[column], n, out_values, out_error);
+}
+
 static bool read_eye(struct reader *reader, int index, struct trk_sample *sample,
                      char out_error[TRK_ERROR_SIZE])
 {
     int column = EYES + 9 * index;
     float direction[3], origin[3], openness, pupil;
-    int64_t mask;
-    if (!read_integer(reader, column + EYE_VALID, &mask, out_error)) return false;
+    int64_t mask = 0;
+    if (!trk_is_missing(reader->table.fields[reader->place[column + EYE_VALID]]) &&
+        !trk_table_integer(&reader->table, reader->place[column + EYE_VALID], &mask, out_error))
+        return false;
     if (!read_floats(reader, column + EYE_DIRECTION, 3, mask & HAS_DIRECTION, direction, out_error) ||
         !read_floats(reader, column + EYE_ORIGIN, 3, mask & HAS_ORIGIN, origin, out_error) ||
         !read_floats(reader, column + EYE_OPENNESS, 1, mask & HAS_OPENNESS, &openness, out_error) ||
         !read_floats(reader, column + EYE_PUPIL, 1, mask & HAS_PUPIL, &pupil, out_error))
         return false;
-    if (mask & HAS_DIRECTION && !glm_vec3_eq(direction, 0)) {
-        if (!trk_is_unit(direction, 3))
-            return trk_lines_fail(&reader->reading->lines, out_error,
-                                  "%s and the next two are not of unit length, expected that",
-                                  names[column + EYE_DIRECTION]);
-        trk_set_direction(sample, index, direction, &reader->frame);
-    }
-    if (mask & HAS_ORIGIN) trk_set_origin(sample, index, origin, 1e-3f, &reader->frame);
-    if (mask & HAS_OPENNESS) trk_set_openness(sample, index, openness);
-    if (mask & HAS_PUPIL) trk_set_pupil(sample, index, pupil);
+    bool is_seen = !isnan(direction[0] + direction[1] + direction[2]) && !glm_vec3_eq(direction, 0);
+    if (is_seen && !trk_is_unit(direction, 3))
+        return trk_lines_fail(&reader->reading->lines, out_error,
+                              "%s and the next two are not of unit length, expected that",
+                              names[column + EYE_DIRECTION]);
+    if (is_seen) trk_set_direction(sample, index, direction, &reader->frame);
+    trk_set_origin(sample, index, origin, 1e-3f, &reader->frame);
+    trk_set_openness(sample, index, openness);
+    trk_set_pupil(sample, index, pupil);
     return true;
 }
 
@@ -202,11 +170,23 @@ static bool read_head(struct reader *reader, struct trk_sample *sample, char out
 {
     float position[3] = {0}, angles[3], rotation[4];
     if (reader->place[HELMET_ROTATION] < 0) return true;
-    if (!read_floats(reader, HELMET_POSITION, 3, reader->place[HELMET_POSITION] >= 0, position, out_error) ||
-        !read_floats(reader, HELMET_ROTATION, 3, true, angles, out_error))
+    if (reader->place[HELMET_POSITION] >= 0 &&
+        !trk_table_numbers(&reader->table, &reader->place[HELMET_POSITION], 3, position, out_error))
+        return false;
+    if (!trk_table_numbers(&reader->table, &reader->place[HELMET_ROTATION], 3, angles, out_error))
         return false;
     trk_unity_euler(angles, rotation);
     trk_set_unity_head(sample, position, rotation);
+    return true;
+}
+
+static bool read_row(void *context, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
+{
+    struct reader *reader = context;
+    if (!read_time(reader, sample, out_error) || !read_eye(reader, 0, sample, out_error) ||
+        !read_eye(reader, 1, sample, out_error) || !read_head(reader, sample, out_error))
+        return false;
+    reader->reading->eyes_mean += trk_combine(sample);
     return true;
 }
 
@@ -214,23 +194,17 @@ static bool read_sranipal(struct trk_reading *reading, char out_error[TRK_ERROR_
 {
     struct reader reader = {.reading = reading, .frame = trk_reading_frame(reading, "LUF")};
     if (!read_header(&reader, out_error)) return false;
-    for (;;) {
-        enum trk_line line = next_row(&reader, out_error);
-        if (line == TRK_LINE_END) return true;
-        if (line == TRK_LINE_FAILED) return false;
-        struct trk_sample sample = {0};
-        if (!read_time(&reader, &sample, out_error) || !read_eye(&reader, 0, &sample, out_error) ||
-            !read_eye(&reader, 1, &sample, out_error) || !read_head(&reader, &sample, out_error))
-            return false;
-        trk_combine(&sample);
-        if (!trk_log_append(reading, &sample, out_error)) return false;
-    }
+    reading->clock_names[0] = names[STAMP];
+    reading->clock_names[1] = names[TICKS];
+    if (!reading->options->frame)
+        trk_assume(reading, "gaze is in SRanipal's frame (LUF), not turned to Unity's (RUF)");
+    return trk_table_read(&reader.table, read_row, &reader, out_error);
 }
 
 const struct trk_log_format trk_log_sranipal = {
     .id = "sranipal",
     .name = "HTC SRanipal",
-    .takes = TRK_TAKES_FRAME,
+    .takes = TRK_TAKES_FRAME | TRK_TAKES_RECORDING,
     .columns = {"time(100ns)", "gaze_direct_L.x"},
     .read = read_sranipal,
 };

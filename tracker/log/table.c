@@ -5,38 +5,19 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 /* --- the header ----------------------------------------------------------------------------------------- */
 
-/* The first of these that a line has; a name may hold spaces only where something else separates. */
-static char separator_of(const char *line)
-{
-    static const char separators[] = {'\t', ';', ','};
-    for (size_t i = 0; i < sizeof separators; i++)
-        if (strchr(line, separators[i])) return separators[i];
-    return TRK_BLANKS;
-}
-
-static void strip_quotes(char **field)
-{
-    size_t length = strlen(*field);
-    if (length < 2 || (*field)[0] != '"' || (*field)[length - 1] != '"') return;
-    (*field)[length - 1] = '\0';
-    ++*field;
-}
-
-void trk_header_parse(struct trk_header *header, const char *line)
+void trk_header_parse(struct trk_header *header, const char *line, char separator)
 {
     size_t length = strnlen(line, sizeof header->line - 1);
     memcpy(header->line, line, length);
     header->line[length] = '\0';
-    header->separator = separator_of(header->line);
+    header->separator = separator ? separator : trk_separator_of(header->line);
     header->count = trk_split(header->line, header->separator, header->names);
-    /* An empty name at the end is a separator too many, which rows may have as well. */
-    if (header->count > 1 && header->count <= TRK_MAX_FIELDS && *header->names[header->count - 1] == '\0')
+    /* Empty names at the end are separators too many, which rows may have as well. */
+    while (header->count > 1 && header->count <= TRK_MAX_FIELDS && *header->names[header->count - 1] == '\0')
         header->count--;
-    for (size_t i = 0; i < header->count && i < TRK_MAX_FIELDS; i++) strip_quotes(&header->names[i]);
 }
 
 /* The next character of a name that counts; 0 at its end. */
@@ -73,11 +54,35 @@ int trk_header_find_unit(const struct trk_header *header, const char *name, cons
     return -1;
 }
 
+bool trk_header_has(const struct trk_header *header, const char *const columns[])
+{
+    if (!columns[0]) return false;
+    for (int i = 0; columns[i]; i++)
+        if (trk_header_find(header, columns[i]) < 0) return false;
+    return true;
+}
+
+/* The first of these names that there is. */
+static int find_any(const struct trk_header *header, const char *const names[])
+{
+    for (int i = 0; names[i]; i++) {
+        int column = trk_header_find(header, names[i]);
+        if (column >= 0) return column;
+    }
+    return -1;
+}
+
 /* --- rows ----------------------------------------------------------------------------------------------- */
 
 void trk_table_init(struct trk_table *table, struct trk_reading *reading)
 {
-    *table = (struct trk_table){.reading = reading, .separator = reading->header.separator};
+    static const char *const participants[] = {"participant name", "participant id", "participant",
+                                               "subject id",       "subject",        NULL};
+    static const char *const recordings[] = {"recording name", "recording id", "recording",
+                                             "session id",     "session",      NULL};
+    *table = (struct trk_table){.reading = reading,
+                                .participant = find_any(&reading->header, participants),
+                                .recording = find_any(&reading->header, recordings)};
 }
 
 bool trk_table_need(struct trk_table *table, const char *const names[], int n, int out_columns[],
@@ -96,30 +101,92 @@ bool trk_table_need(struct trk_table *table, const char *const names[], int n, i
     return true;
 }
 
-enum trk_line trk_table_split(struct trk_table *table, char out_error[TRK_ERROR_SIZE])
+/* Empty fields after the expected ones are separators too many. */
+static size_t count_filled(char *const *fields, size_t count, size_t expected)
+{
+    while (count > expected && count <= TRK_MAX_FIELDS && *fields[count - 1] == '\0') count--;
+    return count;
+}
+
+/* Rows may be separated by something else than the header: by what makes as many fields of the first one. */
+static void find_separator(struct trk_table *table)
+{
+    const struct trk_header *header = &table->reading->header;
+    const char tries[] = {header->separator, '\t', ';', ',', TRK_BLANKS};
+    char *copy = table->reading->scratch;
+    table->separator = header->separator;
+    for (size_t i = 0; i < sizeof tries; i++) {
+        strcpy(copy, table->reading->lines.text);
+        size_t count = trk_split(copy, tries[i], table->fields);
+        if (count_filled(table->fields, count, header->count) != header->count) continue;
+        table->separator = tries[i];
+        return;
+    }
+    for (size_t i = 1; i < sizeof tries && header->separator == TRK_BLANKS; i++)
+        if (strchr(table->reading->lines.text, tries[i])) {
+            table->separator = tries[i];
+            return;
+        }
+}
+
+/* *out_is_empty: nothing is in any field. */
+static enum trk_line split(struct trk_table *table, bool *out_is_empty, char out_error[TRK_ERROR_SIZE])
 {
     struct trk_lines *lines = &table->reading->lines;
     size_t expected = table->reading->header.count, count;
-    count = trk_split(lines->text, table->separator, table->fields);
-    if (count == expected + 1 && count <= TRK_MAX_FIELDS && *table->fields[expected] == '\0') count--;
     static char none[] = "";
+    if (!table->separator) find_separator(table);
+    count = trk_split(lines->text, table->separator, table->fields);
+    *out_is_empty = count_filled(table->fields, count, 0) == 0;
+    if (*out_is_empty) return TRK_LINE;
+    if (table->mend) count = table->mend(table->reader, table, count);
+    count = count_filled(table->fields, count, expected);
     while (table->may_be_short && count < expected) table->fields[count++] = none;
-    if (count != expected) {
-        trk_lines_fail(lines, out_error, "%zu columns, expected %zu as in the header", count, expected);
-        return TRK_LINE_FAILED;
+    if (count == expected) return TRK_LINE;
+    trk_lines_fail(lines, out_error, "%zu columns, expected %zu as in the header", count, expected);
+    return count < expected ? trk_short_row(table->reading) : TRK_LINE_FAILED;
+}
+
+/* The next row that is in the file, whosever it is. */
+static enum trk_line next_row(struct trk_table *table, bool is_taken, char out_error[TRK_ERROR_SIZE])
+{
+    const char *text = table->reading->lines.text;
+    bool is_empty = true;
+    for (;; is_taken = false) {
+        enum trk_line line = is_taken ? TRK_LINE : trk_next_row(table->reading, out_error);
+        if (line != TRK_LINE) return line;
+        if (table->comment && *text == table->comment) continue;
+        line = split(table, &is_empty, out_error);
+        if (line != TRK_LINE || !is_empty) return line;
     }
-    for (size_t i = 0; i < count; i++) strip_quotes(&table->fields[i]);
-    return TRK_LINE;
+}
+
+static enum trk_line next_of_recording(struct trk_table *table, bool is_taken, char out_error[TRK_ERROR_SIZE])
+{
+    for (;; is_taken = false) {
+        enum trk_line line = next_row(table, is_taken, out_error);
+        if (line == TRK_LINE_FAILED) return line;
+        if (line == TRK_LINE_END) return trk_recording_is_met(table, out_error) ? line : TRK_LINE_FAILED;
+        switch (trk_recording_of_row(table)) {
+        case TRK_RECORDING_WANTED:
+            return TRK_LINE;
+        case TRK_RECORDING_OTHER:
+            break;
+        case TRK_RECORDING_SEVERAL:
+            while (next_row(table, false, out_error) == TRK_LINE) trk_recording_of_row(table);
+            return trk_recording_is_met(table, out_error) ? TRK_LINE_END : TRK_LINE_FAILED;
+        }
+    }
 }
 
 enum trk_line trk_table_next(struct trk_table *table, char out_error[TRK_ERROR_SIZE])
 {
-    struct trk_lines *lines = &table->reading->lines;
-    enum trk_line line;
-    do {
-        line = trk_lines_next(lines, out_error);
-    } while (line == TRK_LINE && lines->text[0] == '\0');
-    return line == TRK_LINE ? trk_table_split(table, out_error) : line;
+    return next_of_recording(table, false, out_error);
+}
+
+enum trk_line trk_table_first(struct trk_table *table, char out_error[TRK_ERROR_SIZE])
+{
+    return next_of_recording(table, true, out_error);
 }
 
 bool trk_table_read(struct trk_table *table,
@@ -136,33 +203,27 @@ bool trk_table_read(struct trk_table *table,
     return line == TRK_LINE_END;
 }
 
-static bool is_missing(const char *field)
-{
-    static const char *const words[] = {"", "nan", "-nan", "n/a", "na", ".", "none", "null", "-"};
-    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
-        if (strcasecmp(field, words[i]) == 0) return true;
-    return false;
-}
-
-/* In place: the row is not read again. */
-static void mend_comma(struct trk_table *table, char *field)
-{
-    char *comma = table->decimal_comma ? strchr(field, ',') : NULL;
-    if (!comma) return;
-    *comma = '.';
-    table->was_comma = true;
-}
-
 bool trk_table_number(struct trk_table *table, int column, double *out_value, char out_error[TRK_ERROR_SIZE])
 {
     *out_value = NAN;
     if (column < 0) return true;
-    char *field = table->fields[column];
-    if (is_missing(field)) return true;
-    mend_comma(table, field);
-    if (trk_parse_double(field, out_value) && isfinite(*out_value)) return true;
+    if (trk_field_number(table->reading, table->fields[column], out_value)) return true;
     return trk_lines_fail(&table->reading->lines, out_error, "%.60s is '%.40s', expected a finite number",
-                          table->reading->header.names[column], field);
+                          table->reading->header.names[column], table->fields[column]);
+}
+
+bool trk_table_integer(struct trk_table *table, int column, int64_t *out_value,
+                       char out_error[TRK_ERROR_SIZE])
+{
+    double value;
+    if (trk_parse_int64(table->fields[column], out_value)) return true;
+    if (trk_field_number(table->reading, table->fields[column], &value) && rint(value) == value &&
+        fabs(value) < 0x1p53) {
+        *out_value = (int64_t)value;
+        return true;
+    }
+    return trk_lines_fail(&table->reading->lines, out_error, "%.60s is '%.40s', expected a whole number",
+                          table->reading->header.names[column], table->fields[column]);
 }
 
 bool trk_table_numbers(struct trk_table *table, const int *columns, int n, float *out_values,
@@ -180,8 +241,7 @@ bool trk_table_time(struct trk_table *table, int column, double unit_ns, int64_t
                     char out_error[TRK_ERROR_SIZE])
 {
     char *field = table->fields[column];
-    mend_comma(table, field);
-    if (trk_parse_time(field, unit_ns, out_ns)) return true;
+    if (trk_field_time(table->reading, field, unit_ns, out_ns)) return true;
     return trk_lines_fail(&table->reading->lines, out_error, "%.60s is '%.40s', expected a time",
                           table->reading->header.names[column], field);
 }
@@ -196,22 +256,28 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The middle of the steps forward in the first rows; 0 if there is none. */
-static double middle_step(struct trk_table *table, int column, char out_error[TRK_ERROR_SIZE])
+/* The middle of the steps forward in the first rows, and their mean; 0 if there are none. False on failure.
+ */
+static bool measure_steps(struct trk_table *table, int column, double out_steps[2],
+                          char out_error[TRK_ERROR_SIZE])
 {
-    double steps[GUESS_ROWS], last = NAN;
+    double steps[GUESS_ROWS], last = NAN, sum = 0;
     size_t count = 0;
     for (int row = 0; row < GUESS_ROWS; row++) {
         double value;
         enum trk_line line = trk_table_next(table, out_error);
         if (line == TRK_LINE_END) break;
-        if (line == TRK_LINE_FAILED || !trk_table_number(table, column, &value, out_error)) return -1;
-        if (value > last) steps[count++] = value - last;
+        if (line == TRK_LINE_FAILED || !trk_table_number(table, column, &value, out_error)) return false;
+        if (value > last) {
+            sum += value - last;
+            steps[count++] = value - last;
+        }
         if (!isnan(value)) last = value;
     }
-    if (count == 0) return 0;
     qsort(steps, count, sizeof *steps, by_size);
-    return steps[count / 2];
+    out_steps[0] = count ? steps[count / 2] : 0;
+    out_steps[1] = count ? sum / (double)count : 0;
+    return true;
 }
 
 double trk_table_guess_unit(struct trk_table *table, int column, char out_error[TRK_ERROR_SIZE])
@@ -224,25 +290,25 @@ double trk_table_guess_unit(struct trk_table *table, int column, char out_error[
     double told = trk_time_unit(reading, 0);
     if (told > 0) return told;
     size_t header_line = reading->lines.number;
-    double step = middle_step(table, column, out_error);
-    if (step < 0) return 0;
-    gzrewind(reading->lines.file);
-    reading->lines.number = 0;
+    double steps[2];
+    if (!measure_steps(table, column, steps, out_error)) return 0;
+    trk_lines_rewind(&reading->lines);
     while (reading->lines.number < header_line)
         if (trk_lines_next(&reading->lines, out_error) != TRK_LINE) return 0;
-    for (size_t i = 0; i < sizeof units / sizeof *units; i++) {
-        double step_ns = step * units[i].ns;
+    for (size_t i = 0; i < 2 * sizeof units / sizeof *units; i++) {
+        const size_t unit = i % (sizeof units / sizeof *units);
+        const double step = steps[i / (sizeof units / sizeof *units)], step_ns = step * units[unit].ns;
         if (step_ns < 1e9 / 2500 * 0.99 || step_ns > 1e9 / 20 * 1.01) continue;
-        trk_assume(reading, "%.40s is in %s (steps of %g)", reading->header.names[column], units[i].name,
+        trk_assume(reading, "%.40s is in %s (steps of %g)", reading->header.names[column], units[unit].name,
                    step);
-        return units[i].ns;
+        return units[unit].ns;
     }
     /* One sample, or none: any unit will do. */
-    if (step == 0) return 1e6;
+    if (steps[0] == 0) return 1e6;
     trk_lines_fail(
         &reading->lines, out_error,
         "%.60s has steps of %g, which is no rate of an eye tracker in any unit: expected the unit to "
         "be told (s, ms, us or ns)",
-        reading->header.names[column], step);
+        reading->header.names[column], steps[0]);
     return 0;
 }

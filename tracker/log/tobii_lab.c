@@ -4,15 +4,19 @@
  * Recording timestamp is the recording computer's clock and becomes arrival_ns: [ms] or [μs], and without
  * brackets either, which its steps tell. Eyetracker timestamp [μs] is the tracker's and becomes device_ns;
  * where there is none, the first serves for both. Rows of other sensors (mouse, gyroscope, events) lie
- * between those of "Eye Tracker" and are skipped. Validity is Valid or Invalid, in older exports 0 (best) to
- * 4 (lost), of which Tobii advises to use 0 and 1; where it was not exported, gaze that is there is valid.
- * Missing is empty. A decimal comma is understood.
+ * between those of "Eye Tracker" and are skipped; where no Sensor was exported, a row of the tracker is one
+ * that has its time, else a validity, else a gaze, or else is no event's and no mouse's. Validity is Valid or
+ * Invalid, in older exports 0 (best) to 4 (lost), of which Tobii advises to use 0 and 1; where it was not
+ * exported, gaze that is there is valid. Missing is empty. A decimal comma is understood.
  *
- * Trackers on a screen: Gaze point X, Y [DACS px] are pixels from the top left corner of the display, whose
- * size is Recording resolution width and height. Glasses: Gaze direction left X.. [HUCS norm] are unit
- * vectors in the head unit, +X to the wearer's left, +Y up, +Z forward, as in Tobii Pro Glasses 3 (see
- * glasses3.c), and Eye position.. or Pupil position.. [HUCS mm] where they start. Only they export a Gaze
- * point 3D, which is how they are told without brackets.
+ * Trackers on a display have a frame of its own, DACS: from its top left corner, +X right, +Y down, +Z
+ * towards the viewer. Gaze direction left X.. [DACS norm] says all; else the way from Eye position left X..
+ * to Gaze point left X.., both in [DACS mm], does; else there are pixels, Gaze point X, Y [DACS px], of a
+ * display whose size is Recording resolution width and height, and how far away it was is assumed or told.
+ * The first row that has any decides for all. Glasses: Gaze direction left X.. [HUCS norm] are unit vectors
+ * in the head unit, +X to the wearer's left, +Y up, +Z forward, as in Tobii Pro Glasses 3 (see glasses3.c),
+ * and Eye position.. or Pupil position.. [HUCS mm] where they start. Without brackets they are told by a Gaze
+ * point 3D, which only they export, or by a +Z that is forward.
  *
  * No real export of gaze was at hand: the rows of the tests are made from the documentation, from what public
  * readers expect, and, for times without a unit, after real rows of a glasses' export without gaze. */
@@ -20,6 +24,7 @@
 
 #include <math.h>
 #include <string.h>
+#include <strings.h>
 
 enum {
     EYE_POINT,
@@ -27,15 +32,20 @@ enum {
     EYE_ORIGIN = EYE_DIRECTION + 3,
     EYE_PUPIL = EYE_ORIGIN + 3,
     EYE_VALID,
-    EYE_COLUMNS
+    EYE_PLACE, /* and the point that it looks at: mm, of the display */
+    EYE_POINT_MM = EYE_PLACE + 3,
+    EYE_COLUMNS = EYE_POINT_MM + 2
 };
+
+/* What gaze is made from. */
+enum way { UNDECIDED, GLASSES, DIRECTIONS, MILLIMETRES, PIXELS };
 
 struct reader {
     struct trk_table table;
     struct trk_frame frame;
     struct trk_plane plane;
-    bool has_plane, on_screen;
-    int recording, tracker, sensor, point[2], resolution[2];
+    enum way way;
+    int recording, tracker, sensor, event, mouse, point[2], resolution[2];
     int eye[2][EYE_COLUMNS];
     double recording_unit_ns;
     struct trk_log_clock device, host;
@@ -43,26 +53,41 @@ struct reader {
     uint64_t sequence;
 };
 
+static const struct {
+    const char *name, *unit;
+} eye_columns[EYE_COLUMNS] = {
+    {"Gaze point %s X", "DACS px"},   {"Gaze point %s Y", "DACS px"},
+    {"Gaze direction %s X", "HUCS"},  {"Gaze direction %s Y", "HUCS"},
+    {"Gaze direction %s Z", "HUCS"},  {"Eye position %s X", "HUCS"},
+    {"Eye position %s Y", "HUCS"},    {"Eye position %s Z", "HUCS"},
+    {"Pupil diameter %s", "mm"},      {"Validity %s", ""},
+    {"Eye position %s X", "DACS mm"}, {"Eye position %s Y", "DACS mm"},
+    {"Eye position %s Z", "DACS mm"}, {"Gaze point %s X", "DACS mm"},
+    {"Gaze point %s Y", "DACS mm"},
+};
+
+static int find_of_eye(const struct trk_header *header, const char *pattern, const char *unit, int eye)
+{
+    const char *side = strstr(pattern, "%s");
+    char name[64];
+    snprintf(name, sizeof name, "%.*s%s%s", (int)(side - pattern), pattern, eye ? "right" : "left", side + 2);
+    return trk_header_find_unit(header, name, unit);
+}
+
 static void find_eye(struct reader *reader, const struct trk_header *header, int eye)
 {
-    static const struct {
-        const char *name, *unit;
-    } columns[EYE_COLUMNS] = {
-        {"Gaze point %s X", "DACS px"},  {"Gaze point %s Y", "DACS px"},
-        {"Gaze direction %s X", "HUCS"}, {"Gaze direction %s Y", "HUCS"},
-        {"Gaze direction %s Z", "HUCS"}, {"Eye position %s X", "HUCS"},
-        {"Eye position %s Y", "HUCS"},   {"Eye position %s Z", "HUCS"},
-        {"Pupil diameter %s", "mm"},     {"Validity %s", ""},
-    };
+    int *columns = reader->eye[eye];
     for (int i = 0; i < EYE_COLUMNS; i++) {
-        const char *side = strstr(columns[i].name, "%s");
-        char name[64];
-        snprintf(name, sizeof name, "%.*s%s%s", (int)(side - columns[i].name), columns[i].name,
-                 eye ? "right" : "left", side + 2);
-        reader->eye[eye][i] = trk_header_find_unit(header, name, columns[i].unit);
-        if (i < EYE_ORIGIN || i >= EYE_PUPIL || reader->eye[eye][i] >= 0) continue;
-        snprintf(name, sizeof name, "Pupil position %s %c", eye ? "right" : "left", "XYZ"[i - EYE_ORIGIN]);
-        reader->eye[eye][i] = trk_header_find_unit(header, name, columns[i].unit);
+        columns[i] = find_of_eye(header, eye_columns[i].name, eye_columns[i].unit, eye);
+        if (i >= EYE_DIRECTION && i < EYE_ORIGIN && columns[i] < 0)
+            columns[i] = find_of_eye(header, eye_columns[i].name, "DACS", eye);
+        if (i >= EYE_ORIGIN && i < EYE_PUPIL && columns[i] < 0) {
+            char name[] = "Pupil position %s X";
+            name[sizeof name - 2] = "XYZ"[i - EYE_ORIGIN];
+            columns[i] = find_of_eye(header, name, eye_columns[i].unit, eye);
+        }
+        /* Points without a unit are pixels. */
+        if (i >= EYE_POINT_MM && columns[i] >= 0 && !strchr(header->names[columns[i]], '[')) columns[i] = -1;
     }
 }
 
@@ -76,50 +101,73 @@ static bool find_unit(struct reader *reader, char out_error[TRK_ERROR_SIZE])
     return reader->recording_unit_ns > 0;
 }
 
+/* Is it of glasses, by its header? Directions without a frame are of a display where there is one. */
+static bool is_of_glasses(const struct reader *reader, const struct trk_header *header)
+{
+    for (int eye = 0; eye < 2; eye++) {
+        const int x = reader->eye[eye][EYE_DIRECTION];
+        const char *bracket = x < 0 ? NULL : strchr(header->names[x], '[');
+        if (x >= 0 && (bracket ? strstr(bracket, "HUCS") != NULL
+                               : trk_header_find_unit(header, "Gaze point 3D X", "HUCS") >= 0))
+            return true;
+    }
+    return false;
+}
+
 static bool begin(struct reader *reader, struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
 {
     const struct trk_header *header = &reading->header;
     static const char *const needed[] = {"Recording timestamp"};
     trk_table_init(&reader->table, reading);
-    reader->table.decimal_comma = true;
     if (!trk_table_need(&reader->table, needed, 1, &reader->recording, out_error)) return false;
     if (!find_unit(reader, out_error)) return false;
     reader->tracker = trk_header_find(header, "Eyetracker timestamp");
     reader->sensor = trk_header_find(header, "Sensor");
+    reader->event = trk_header_find(header, "Event");
+    reader->mouse = trk_header_find(header, "Mouse position X");
     reader->point[0] = trk_header_find_unit(header, "Gaze point X", "DACS px");
     reader->point[1] = trk_header_find_unit(header, "Gaze point Y", "DACS px");
     reader->resolution[0] = trk_header_find(header, "Recording resolution width");
     reader->resolution[1] = trk_header_find(header, "Recording resolution height");
     find_eye(reader, header, 0);
     find_eye(reader, header, 1);
-    /* Directions without brackets are of the display's frame where there is a display. */
-    const int x = reader->eye[0][EYE_DIRECTION];
-    reader->on_screen = x < 0 || (!strchr(header->names[x], '[') &&
-                                  trk_header_find_unit(header, "Gaze point 3D X", "HUCS") < 0);
-    reader->frame = trk_reading_frame(reading, "LUF");
-    if (!reader->on_screen || reader->point[0] >= 0 || reader->eye[0][EYE_POINT] >= 0 ||
-        reader->eye[1][EYE_POINT] >= 0)
-        return true;
-    return trk_lines_fail(
-        &reading->lines, out_error,
-        "header has neither 'Gaze direction left X [HUCS norm]' nor 'Gaze point X [DACS px]', "
-        "expected one of them");
+    if (is_of_glasses(reader, header)) reader->way = GLASSES;
+    reader->frame = trk_reading_frame(reading, reader->way == GLASSES ? "LUF" : "RDB");
+    bool found = reader->point[0] >= 0;
+    for (int eye = 0; eye < 2; eye++) {
+        const int *columns = reader->eye[eye];
+        found |= columns[EYE_DIRECTION] >= 0 || columns[EYE_POINT] >= 0 ||
+                 (columns[EYE_PLACE] >= 0 && columns[EYE_POINT_MM] >= 0);
+    }
+    return found ||
+           trk_lines_fail(
+               &reading->lines, out_error,
+               "header has neither 'Gaze direction left X' nor 'Gaze point X [DACS px]', expected one "
+               "of them");
+}
+
+static bool has(const struct reader *reader, int column)
+{
+    return column >= 0 && !trk_is_missing(reader->table.fields[column]);
 }
 
 /* Rows of the tracker alone. */
 static bool is_gaze(const struct reader *reader)
 {
-    char *const *fields = reader->table.fields;
-    if (reader->sensor >= 0) return strcmp(fields[reader->sensor], "Eye Tracker") == 0;
-    return reader->tracker < 0 || *fields[reader->tracker];
+    if (reader->sensor >= 0) return strcasecmp(reader->table.fields[reader->sensor], "Eye Tracker") == 0;
+    if (reader->tracker >= 0) return has(reader, reader->tracker);
+    if (reader->eye[0][EYE_VALID] >= 0 || reader->eye[1][EYE_VALID] >= 0)
+        return has(reader, reader->eye[0][EYE_VALID]) || has(reader, reader->eye[1][EYE_VALID]);
+    bool found = has(reader, reader->point[0]);
+    for (int eye = 0; eye < 2; eye++)
+        for (int i = 0; i < EYE_COLUMNS; i++) found |= has(reader, reader->eye[eye][i]);
+    return found || (!has(reader, reader->event) && !has(reader, reader->mouse));
 }
 
 static bool begin_plane(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 {
     struct trk_reading *reading = reader->table.reading;
     double width, height;
-    if (reader->has_plane) return true;
-    reader->has_plane = true;
     if (!trk_table_number(&reader->table, reader->resolution[0], &width, out_error) ||
         !trk_table_number(&reader->table, reader->resolution[1], &height, out_error))
         return false;
@@ -137,31 +185,80 @@ static bool is_valid(const struct reader *reader, int eye)
     double level;
     if (reader->eye[eye][EYE_VALID] < 0) return true;
     const char *field = reader->table.fields[reader->eye[eye][EYE_VALID]];
-    return strcmp(field, "Valid") == 0 || (trk_parse_double(field, &level) && level <= 1);
+    return strcasecmp(field, "Valid") == 0 || (trk_parse_double(field, &level) && level <= 1);
 }
 
-static bool read_eye(struct reader *reader, int eye, struct trk_sample *sample,
-                     char out_error[TRK_ERROR_SIZE])
+/* What a row says of one eye's gaze. */
+struct eye {
+    float direction[3], origin[3], place[3], point_mm[2];
+    double pupil, point[2];
+};
+
+static bool read_eye(struct reader *reader, int eye, struct eye *out, char out_error[TRK_ERROR_SIZE])
 {
     const int *columns = reader->eye[eye];
-    double pupil, x, y;
-    float direction[3], origin[3];
-    if (!trk_table_number(&reader->table, columns[EYE_PUPIL], &pupil, out_error) ||
-        !trk_table_number(&reader->table, columns[EYE_POINT], &x, out_error) ||
-        !trk_table_number(&reader->table, columns[EYE_POINT + 1], &y, out_error) ||
-        !trk_table_numbers(&reader->table, &columns[EYE_DIRECTION], 3, direction, out_error) ||
-        !trk_table_numbers(&reader->table, &columns[EYE_ORIGIN], 3, origin, out_error))
-        return false;
-    trk_set_pupil(sample, eye, pupil);
-    if (!is_valid(reader, eye)) return true;
-    if (!reader->on_screen) {
-        trk_set_direction(sample, eye, direction, &reader->frame);
-        trk_set_origin(sample, eye, origin, 1e-3f, &reader->frame);
-    } else if (isfinite(x) && isfinite(y)) {
-        trk_plane_direction(&reader->plane, x, y, sample->eye[eye].direction);
-        sample->valid |= TRK_LEFT_DIRECTION << 4 * eye;
+    struct trk_table *table = &reader->table;
+    return trk_table_number(table, columns[EYE_PUPIL], &out->pupil, out_error) &&
+           trk_table_number(table, columns[EYE_POINT], &out->point[0], out_error) &&
+           trk_table_number(table, columns[EYE_POINT + 1], &out->point[1], out_error) &&
+           trk_table_numbers(table, &columns[EYE_DIRECTION], 3, out->direction, out_error) &&
+           trk_table_numbers(table, &columns[EYE_ORIGIN], 3, out->origin, out_error) &&
+           trk_table_numbers(table, &columns[EYE_PLACE], 3, out->place, out_error) &&
+           trk_table_numbers(table, &columns[EYE_POINT_MM], 2, out->point_mm, out_error);
+}
+
+static bool is_finite(const float *v, int n)
+{
+    float sum = 0;
+    for (int i = 0; i < n; i++) sum += v[i];
+    return isfinite(sum);
+}
+
+/* Directions go before ways in mm, and these before pixels, whose screen has to be assumed, unless it was
+ * told. */
+static bool decide(struct reader *reader, const struct eye eyes[2], const double both[2],
+                   char out_error[TRK_ERROR_SIZE])
+{
+    struct trk_reading *reading = reader->table.reading;
+    const bool is_told = reading->options->screen_fov_deg > 0 || reading->options->screen_width_m > 0;
+    bool pixels = isfinite(both[0] + both[1]);
+    for (int i = 0; i < 2; i++) pixels |= isfinite(eyes[i].point[0] + eyes[i].point[1]);
+    for (int i = 0; i < 2 && reader->way == UNDECIDED && !(is_told && pixels); i++) {
+        const int x = reader->eye[i][EYE_DIRECTION];
+        if (!is_finite(eyes[i].direction, 3) || eyes[i].direction[2] == 0) continue;
+        reader->way =
+            eyes[i].direction[2] > 0 && !strchr(reading->header.names[x], '[') ? GLASSES : DIRECTIONS;
+        if (reader->way == GLASSES) reader->frame = trk_reading_frame(reading, "LUF");
+        trk_assume(reading, reader->way == GLASSES
+                                ? "directions are of glasses (HUCS): their Z is forward"
+                                : "gaze is by the eyes' directions from the display (DACS)");
     }
-    return true;
+    for (int i = 0; i < 2 && reader->way == UNDECIDED && !(is_told && pixels); i++) {
+        if (!is_finite(eyes[i].place, 3) || !is_finite(eyes[i].point_mm, 2)) continue;
+        reader->way = MILLIMETRES;
+        trk_assume(reading, "gaze is the way from the eyes' positions to the gaze points, in mm (DACS)");
+    }
+    if (reader->way != UNDECIDED || !pixels) return true;
+    reader->way = PIXELS;
+    return begin_plane(reader, out_error);
+}
+
+static void set_eye(const struct reader *reader, int index, const struct eye *eye, struct trk_sample *sample)
+{
+    trk_set_pupil(sample, index, eye->pupil);
+    if (!is_valid(reader, index)) return;
+    if (reader->way == GLASSES || reader->way == DIRECTIONS)
+        trk_set_direction(sample, index, eye->direction, &reader->frame);
+    if (reader->way == GLASSES) trk_set_origin(sample, index, eye->origin, 1e-3f, &reader->frame);
+    if (reader->way == MILLIMETRES) {
+        const float way[3] = {eye->point_mm[0] - eye->place[0], eye->point_mm[1] - eye->place[1],
+                              -eye->place[2]};
+        trk_set_direction(sample, index, way, &reader->frame);
+    }
+    if (reader->way == PIXELS && isfinite(eye->point[0] + eye->point[1])) {
+        trk_plane_direction(&reader->plane, eye->point[0], eye->point[1], sample->eye[index].direction);
+        sample->valid |= TRK_LEFT_DIRECTION << 4 * index;
+    }
 }
 
 static bool read_times(struct reader *reader, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
@@ -172,10 +269,14 @@ static bool read_times(struct reader *reader, struct trk_sample *sample, char ou
         return false;
     device_ns = host_ns;
     /* Glasses have no such clock, and leave its column empty. */
-    if (!reader->device.started && reader->tracker >= 0 && !*reader->table.fields[reader->tracker])
+    if (!reader->device.started && reader->tracker >= 0 && !has(reader, reader->tracker))
         reader->tracker = -1;
     if (reader->tracker >= 0 && !trk_table_time(&reader->table, reader->tracker, 1e3, &device_ns, out_error))
         return false;
+    struct trk_reading *reading = reader->table.reading;
+    reading->clock_names[0] =
+        reading->header.names[reader->tracker >= 0 ? reader->tracker : reader->recording];
+    reading->clock_names[1] = reader->tracker >= 0 ? reading->header.names[reader->recording] : NULL;
     return trk_log_clock_count(&reader->device, device_ns, lines, &sample->device_ns, out_error) &&
            trk_log_clock_count(&reader->host, host_ns, lines, &sample->arrival_ns, out_error);
 }
@@ -183,25 +284,26 @@ static bool read_times(struct reader *reader, struct trk_sample *sample, char ou
 static bool read_row(void *context, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
 {
     struct reader *reader = context;
-    double x, y;
+    struct eye eyes[2];
+    double both[2];
     if (!is_gaze(reader)) {
         reader->others++;
         return true;
     }
     sample->sequence = ++reader->sequence;
-    if (!read_times(reader, sample, out_error) || (reader->on_screen && !begin_plane(reader, out_error)) ||
-        !read_eye(reader, 0, sample, out_error) || !read_eye(reader, 1, sample, out_error))
+    if (!read_times(reader, sample, out_error) || !read_eye(reader, 0, &eyes[0], out_error) ||
+        !read_eye(reader, 1, &eyes[1], out_error) ||
+        !trk_table_number(&reader->table, reader->point[0], &both[0], out_error) ||
+        !trk_table_number(&reader->table, reader->point[1], &both[1], out_error) ||
+        !decide(reader, eyes, both, out_error))
         return false;
-    if (reader->on_screen) {
-        if (!trk_table_number(&reader->table, reader->point[0], &x, out_error) ||
-            !trk_table_number(&reader->table, reader->point[1], &y, out_error))
-            return false;
-        if (isfinite(x) && isfinite(y) && (is_valid(reader, 0) || is_valid(reader, 1))) {
-            trk_plane_direction(&reader->plane, x, y, sample->direction);
-            sample->valid |= TRK_DIRECTION;
-        }
+    for (int i = 0; i < 2; i++) set_eye(reader, i, &eyes[i], sample);
+    if (reader->way == PIXELS && isfinite(both[0] + both[1]) &&
+        (is_valid(reader, 0) || is_valid(reader, 1))) {
+        trk_plane_direction(&reader->plane, both[0], both[1], sample->direction);
+        sample->valid |= TRK_DIRECTION;
     }
-    trk_combine(sample);
+    reader->table.reading->eyes_mean += trk_combine(sample);
     return true;
 }
 
@@ -211,14 +313,15 @@ static bool read_tobii_lab(struct trk_reading *reading, char out_error[TRK_ERROR
     if (!begin(&reader, reading, out_error)) return false;
     if (!trk_table_read(&reader.table, read_row, &reader, out_error)) return false;
     if (reader.others) trk_assume(reading, "rows of other sensors, skipped: %zu", reader.others);
-    if (reader.table.was_comma) trk_assume(reading, "commas in numbers are decimal");
     return true;
 }
 
 /* Which columns there are is for whoever exports to say. */
 static bool detect(const struct trk_reading *reading)
 {
-    static const char *const gaze[] = {"Gaze point X", "Gaze direction left X", "Validity left"};
+    static const char *const gaze[] = {
+        "Gaze point X",           "Gaze point left X", "Gaze point right X", "Gaze direction left X",
+        "Gaze direction right X", "Validity left",     "Validity right"};
     bool found = false;
     for (size_t i = 0; i < sizeof gaze / sizeof *gaze; i++)
         found |= trk_header_find(&reading->header, gaze[i]) >= 0;
@@ -228,7 +331,7 @@ static bool detect(const struct trk_reading *reading)
 const struct trk_log_format trk_log_tobii_lab = {
     .id = "tobii-lab",
     .name = "Tobii Pro Lab",
-    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME | TRK_TAKES_SCREEN,
+    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME | TRK_TAKES_SCREEN | TRK_TAKES_RECORDING,
     .detect = detect,
     .read = read_tobii_lab,
 };

@@ -16,6 +16,7 @@ static const uint64_t lone_step_ns = 8333333;
 struct replay {
     struct trk_source source;
     struct trk_log log;
+    struct trk_rate rate;
     bool loop;
     uint64_t lap_ns, lap_sequence; /* how far time and sequence go in a lap */
     uint64_t lap;
@@ -32,7 +33,7 @@ static void measure_lap(struct replay *replay)
 {
     const struct trk_log *log = &replay->log;
     uint64_t span_ns = log->samples[log->count - 1].device_ns - first_ns(replay);
-    uint64_t step_ns = log->count > 1 ? span_ns / (log->count - 1) : 0;
+    uint64_t step_ns = replay->rate.step_ns;
     replay->lap_ns = span_ns + (step_ns ? step_ns : lone_step_ns);
     replay->lap_sequence = log->samples[log->count - 1].sequence - log->samples[0].sequence + 1;
 }
@@ -42,7 +43,7 @@ static void describe(struct replay *replay, const char *path)
     const struct trk_log *log = &replay->log;
     double seconds = (double)(log->samples[log->count - 1].device_ns - first_ns(replay)) / 1e9;
     char rate[32] = "";
-    if (seconds > 0) snprintf(rate, sizeof rate, ", %.0f Hz", (double)(log->count - 1) / seconds);
+    if (replay->rate.hz > 0) snprintf(rate, sizeof rate, ", %.0f Hz", replay->rate.hz);
     bool head = false;
     for (size_t i = 0; i < log->count && !head; i++) head = log->samples[i].valid & TRK_HEAD;
     snprintf(replay->source.description, sizeof replay->source.description,
@@ -75,6 +76,11 @@ static struct trk_source *replay_open(const char *path, const struct trk_source_
         return NULL;
     }
     if (!trk_log_read(path, &replay->log, out_error)) {
+        replay_close(&replay->source);
+        return NULL;
+    }
+    if (!trk_log_rate(&replay->log, &replay->rate)) {
+        trk_fail(out_error, "%s: no memory", path);
         replay_close(&replay->source);
         return NULL;
     }

@@ -1,0 +1,109 @@
+/* Clocks of logs: that they never go back, and that they run at all. */
+#include "log/log.h"
+
+#include "error.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+double trk_time_unit(const struct trk_reading *reading, double own_ns)
+{
+    const char *unit = reading->options->time_unit;
+    if (!unit) return own_ns;
+    return strcmp(unit, "s") == 0 ? 1e9 : strcmp(unit, "ms") == 0 ? 1e6 : strcmp(unit, "us") == 0 ? 1e3 : 1;
+}
+
+bool trk_log_clock_count(struct trk_log_clock *clock, int64_t time_ns, const struct trk_lines *lines,
+                         uint64_t *out_ns, char out_error[TRK_ERROR_SIZE])
+{
+    if (!clock->started) {
+        clock->started = true;
+        clock->first_ns = time_ns;
+    }
+    int64_t ns = time_ns - clock->first_ns; /* fits: see trk_parse_time() */
+    if (ns < 0 || (uint64_t)ns < clock->last_ns) {
+        double back_ns = (double)clock->last_ns - (double)ns;
+        if (back_ns > (double)TRK_MAX_STEP_BACK_NS)
+            return trk_lines_fail(lines, out_error, "time goes back by %g s, expected it never to",
+                                  back_ns / 1e9);
+        clock->held++;
+    } else {
+        clock->last_ns = (uint64_t)ns;
+    }
+    *out_ns = clock->last_ns;
+    return true;
+}
+
+/* --- clocks that do not run ----------------------------------------------------------------------------- */
+
+/* Steps of a clock that is fetched more often than it moves are mostly none too, and then one sample's: this
+ * is longer than any tracker's. */
+static const uint64_t coarse_ns = 100000000;
+
+/* How exact times with an exponent must be, so that a tracker's samples can be told apart at all, and so that
+ * nothing need be said. */
+static const double coarsest_ns = 5e7, exact_ns = 1e6;
+
+enum kind { RUNS, STANDS, COARSE };
+
+static uint64_t time_of(const struct trk_sample *sample, int clock)
+{
+    return clock ? sample->arrival_ns : sample->device_ns;
+}
+
+static enum kind judge(const struct trk_log *log, int clock)
+{
+    size_t still = 0, far = 0, steps = log->count - 1;
+    for (size_t i = 0; i < steps; i++) {
+        uint64_t step_ns = time_of(&log->samples[i + 1], clock) - time_of(&log->samples[i], clock);
+        still += step_ns == 0;
+        far += step_ns >= coarse_ns;
+    }
+    if (still == steps) return STANDS;
+    return still >= (steps + 1) / 2 && 2 * far >= steps - still ? COARSE : RUNS;
+}
+
+static bool fail(const struct trk_reading *reading, enum kind kind, char out_error[TRK_ERROR_SIZE])
+{
+    const char *name = reading->clock_names[0] ? reading->clock_names[0] : "time",
+               *text = reading->exponent_time;
+    bool is_rounded = *text && !reading->has_plain_times;
+    char why[96] = "";
+    if (is_rounded) snprintf(why, sizeof why, " (%s: a spreadsheet has rounded them)", text);
+    return trk_fail(out_error, "%.200s: %.60s %s%s, expected a clock that runs", reading->lines.path, name,
+                    kind == STANDS ? "stands still: all its times are the same"
+                                   : "moves in steps of many samples: its times are rounded",
+                    why);
+}
+
+/* Arrival of the log's first sample is not always 0. */
+static void take_arrival(struct trk_log *log)
+{
+    const uint64_t first_ns = log->samples[0].arrival_ns;
+    for (size_t i = 0; i < log->count; i++) log->samples[i].device_ns = log->samples[i].arrival_ns - first_ns;
+}
+
+bool trk_check_clocks(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
+{
+    struct trk_log *log = reading->log;
+    const char *const *names = reading->clock_names;
+    if (log->count < 2) return true;
+    enum kind device = judge(log, 0), host = names[1] ? judge(log, 1) : device;
+    bool is_rounded = *reading->exponent_time && !reading->has_plain_times && !names[1];
+    if (is_rounded && device == RUNS && reading->exponent_step_ns >= coarsest_ns) device = COARSE;
+    if (is_rounded && device == RUNS && reading->exponent_step_ns > exact_ns)
+        trk_assume(reading, "a spreadsheet has rounded the times to %g ms (%s)",
+                   reading->exponent_step_ns / 1e6, reading->exponent_time);
+    if (device != RUNS && host != RUNS) return fail(reading, device, out_error);
+    if (device != RUNS) {
+        take_arrival(log);
+        trk_assume(reading, "%.60s %s: time is by %.60s", names[0],
+                   device == STANDS ? "stands still" : "is rounded", names[1]);
+    } else if (host != RUNS) {
+        for (size_t i = 0; i < log->count; i++) log->samples[i].arrival_ns = log->samples[i].device_ns;
+        trk_assume(reading, "%.60s %s: time is by %.60s", names[1],
+                   host == STANDS ? "stands still" : "is rounded", names[0]);
+    }
+    return true;
+}

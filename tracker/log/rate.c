@@ -1,0 +1,119 @@
+/* The rate of a log. Steps of time are uneven in many: a tracker that stamps its samples in bursts, a host
+ * that was held up and then catches up, whole ms of a camera of 120 Hz, stamps that were skipped; and there
+ * are pauses and losses between, which no rate should count. So the rate is that of the mean step, of those
+ * that are no gaps; what a gap is follows from the rate, and both are found in turns. They begin with the
+ * middle step: where most steps are even, few are gaps by it. Where many would be, samples come in bursts,
+ * and they begin with the mean of all. */
+#include "tracker.h"
+
+#include <stdlib.h>
+
+/* A gap is this many times as long as the mean step. */
+static const double gap_steps = 2.5;
+
+/* Steps are even if so many of them are from half to twice the middle one, and no more than so many are gaps
+ * by it; of gaps that are no longer than a burst, fewer. */
+static const double least_even = 0.7, most_gaps = 0.15, most_short_gaps = 0.05;
+
+enum { TURNS = 64 };
+
+/* How many samples may come at once, and what is a pause whatever comes after it. */
+static const struct burst {
+    size_t samples;
+    double pause_ns;
+} catching_up = {32, 2.5e8}, bursts = {8, 1e8};
+
+static double step_ns(const struct trk_log *log, size_t i)
+{
+    return (double)(log->samples[i].device_ns - log->samples[i - 1].device_ns);
+}
+
+/* How much time is missing in the steps around this one, at the least: a step that is long only because those
+ * beside it are short, as where samples come in bursts, is no gap. */
+static double missing_ns(const struct trk_log *log, double mean_ns, size_t samples, size_t i)
+{
+    double least = step_ns(log, i) - mean_ns, before = least;
+    for (size_t first = i;; before += step_ns(log, --first) - mean_ns) {
+        double sum = before;
+        for (size_t last = i;; sum += step_ns(log, ++last) - mean_ns) {
+            if (sum < least) least = sum;
+            if (last + 1 == log->count || last + 1 - first == samples) break;
+        }
+        if (first == 1 || i + 1 - first == samples) return least;
+    }
+}
+
+static bool is_gap(const struct trk_log *log, double mean_ns, const struct burst *burst, size_t i)
+{
+    const double step = step_ns(log, i);
+    return step > gap_steps * mean_ns &&
+           (step > burst->pause_ns ||
+            missing_ns(log, mean_ns, burst->samples, i) > (gap_steps - 1) * mean_ns);
+}
+
+static int by_size(const void *a, const void *b)
+{
+    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* *out_even: the share of the steps that are much like it. */
+static bool find_middle(const struct trk_log *log, uint64_t *out_ns, double *out_even)
+{
+    size_t even = 0;
+    uint64_t *steps = malloc(log->count * sizeof *steps);
+    if (!steps) return false;
+    for (size_t i = 1; i < log->count; i++)
+        steps[i - 1] = log->samples[i].device_ns - log->samples[i - 1].device_ns;
+    qsort(steps, log->count - 1, sizeof *steps, by_size);
+    *out_ns = steps[(log->count - 1) / 2];
+    for (size_t i = 0; i < log->count - 1; i++) even += 2 * steps[i] >= *out_ns && steps[i] <= 2 * *out_ns;
+    *out_even = (double)even / (double)(log->count - 1);
+    free(steps);
+    return true;
+}
+
+/* Leave out the steps that are gaps by this mean, and take that of the others, until no more change. */
+static void settle(const struct trk_log *log, double mean_ns, const struct burst *burst,
+                   struct trk_rate *rate)
+{
+    const uint64_t span_ns = log->samples[log->count - 1].device_ns - log->samples[0].device_ns;
+    for (int turn = 0; turn < TURNS; turn++) {
+        uint64_t gaps_ns = 0;
+        size_t last = rate->gaps;
+        rate->gaps = rate->longest_ns = 0;
+        for (size_t i = 1; i < log->count; i++) {
+            if (!is_gap(log, mean_ns, burst, i)) continue;
+            uint64_t gap_ns = log->samples[i].device_ns - log->samples[i - 1].device_ns;
+            gaps_ns += gap_ns;
+            if (gap_ns > rate->longest_ns) rate->longest_ns = gap_ns;
+            rate->gaps++;
+        }
+        const size_t steps = log->count - 1 - rate->gaps;
+        rate->step_ns = steps ? (span_ns - gaps_ns) / steps : 0;
+        rate->hz = span_ns > gaps_ns ? (double)steps * 1e9 / (double)(span_ns - gaps_ns) : 0;
+        if (rate->hz == 0 || (turn && rate->gaps == last)) return;
+        mean_ns = 1e9 / rate->hz;
+    }
+}
+
+bool trk_log_rate(const struct trk_log *log, struct trk_rate *out_rate)
+{
+    double even;
+    *out_rate = (struct trk_rate){0};
+    if (log->count < 2) return true;
+    if (!find_middle(log, &out_rate->middle_ns, &even)) return false;
+    const double steps = (double)(log->count - 1);
+    const uint64_t span_ns = log->samples[log->count - 1].device_ns - log->samples[0].device_ns;
+    if (out_rate->middle_ns) settle(log, (double)out_rate->middle_ns, &catching_up, out_rate);
+    const double gaps = (double)out_rate->gaps / steps;
+    out_rate->in_bursts = out_rate->hz == 0 || even < least_even || gaps > most_gaps ||
+                          (gaps > most_short_gaps && (double)out_rate->longest_ns <= bursts.pause_ns);
+    if (out_rate->in_bursts && span_ns) settle(log, (double)span_ns / steps, &bursts, out_rate);
+    return true;
+}
+
+bool trk_log_is_gap(const struct trk_log *log, const struct trk_rate *rate, size_t i)
+{
+    return rate->hz > 0 && is_gap(log, 1e9 / rate->hz, rate->in_bursts ? &bursts : &catching_up, i);
+}

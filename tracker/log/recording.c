@@ -1,0 +1,106 @@
+/* Several recordings in one table: rows of different participants or recordings are not one gaze. */
+#include "log/log.h"
+
+#include "error.h"
+
+#include <string.h>
+#include <strings.h>
+
+static bool is_same(const struct trk_recording *a, const struct trk_recording *b)
+{
+    return strcmp(a->participant, b->participant) == 0 && strcmp(a->name, b->name) == 0;
+}
+
+/* What it is called among these: by its participant too where its name alone would not do. */
+static void label(const struct trk_reading *reading, const struct trk_recording *recording,
+                  char out_label[2 * TRK_RECORDING_SIZE])
+{
+    int same = 0;
+    for (size_t i = 0; i < reading->recording_count; i++)
+        same += strcmp(reading->recordings[i].name, recording->name) == 0;
+    bool is_both = *recording->name && *recording->participant && same > 1;
+    snprintf(out_label, 2 * TRK_RECORDING_SIZE, "%s%s%s",
+             is_both || !*recording->name ? recording->participant : "", is_both ? "/" : "", recording->name);
+}
+
+/* The option may be the name, the participant, or both with a slash between. */
+static bool is_wanted(const struct trk_recording *recording, const char *option)
+{
+    size_t length = strlen(recording->participant);
+    if (strcasecmp(option, recording->name) == 0 || strcasecmp(option, recording->participant) == 0)
+        return true;
+    return strncasecmp(option, recording->participant, length) == 0 && option[length] == '/' &&
+           strcasecmp(option + length + 1, recording->name) == 0;
+}
+
+/* False if the row does not say. */
+static bool set(char out[TRK_RECORDING_SIZE], const struct trk_table *table, int column)
+{
+    if (column < 0) return true;
+    snprintf(out, TRK_RECORDING_SIZE, "%s", table->fields[column]);
+    return !trk_is_missing(out);
+}
+
+enum trk_recording_row trk_recording_of_row(struct trk_table *table)
+{
+    struct trk_reading *reading = table->reading;
+    const char *option = reading->options->recording;
+    struct trk_recording recording;
+    recording.participant[0] = recording.name[0] = '\0';
+    if (!set(recording.participant, table, table->participant) ||
+        !set(recording.name, table, table->recording) || (table->participant < 0 && table->recording < 0))
+        return option ? TRK_RECORDING_OTHER : TRK_RECORDING_WANTED;
+    size_t i = 0, wanted = 0;
+    while (i < reading->recording_count && !is_same(&reading->recordings[i], &recording)) i++;
+    if (i == TRK_MAX_RECORDINGS) {
+        reading->has_more_recordings = true;
+    } else if (i == reading->recording_count) {
+        reading->recordings[reading->recording_count++] = recording;
+    }
+    if (option && !is_wanted(&recording, option)) return TRK_RECORDING_OTHER;
+    for (size_t k = 0; k < reading->recording_count; k++)
+        wanted += !option || is_wanted(&reading->recordings[k], option);
+    return wanted > 1 || i == TRK_MAX_RECORDINGS ? TRK_RECORDING_SEVERAL : TRK_RECORDING_WANTED;
+}
+
+/* "A, B or C", of those that the option may mean, or of all. */
+static void list(const struct trk_reading *reading, bool of_option, char *out_text, size_t size)
+{
+    const char *option = reading->options->recording;
+    size_t used = 0, total = reading->recording_count;
+    out_text[0] = '\0';
+    for (size_t i = 0, listed = 0; i < total; i++) {
+        char name[2 * TRK_RECORDING_SIZE];
+        if (of_option && option && !is_wanted(&reading->recordings[i], option)) continue;
+        label(reading, &reading->recordings[i], name);
+        if (used + strlen(name) + 24 > size) {
+            snprintf(out_text + used, size - used, " and more");
+            return;
+        }
+        used += (size_t)snprintf(out_text + used, size - used, "%s%s", listed++ ? ", " : "", name);
+    }
+    if (reading->has_more_recordings) snprintf(out_text + used, size - used, " and more");
+}
+
+bool trk_recording_is_met(const struct trk_table *table, char out_error[TRK_ERROR_SIZE])
+{
+    const struct trk_reading *reading = table->reading;
+    const char *option = reading->options->recording;
+    char names[TRK_ERROR_SIZE / 2];
+    size_t wanted = 0;
+    for (size_t i = 0; i < reading->recording_count; i++)
+        wanted += !option || is_wanted(&reading->recordings[i], option);
+    if (option && table->participant < 0 && table->recording < 0)
+        return trk_fail(out_error, "%s: has no column that tells recordings apart, expected no --recording",
+                        reading->lines.path);
+    if (option && wanted == 0) {
+        list(reading, false, names, sizeof names);
+        return trk_fail(out_error, "%.150s: has no recording '%.40s', expected one of %s",
+                        reading->lines.path, option, names);
+    }
+    if (wanted <= 1 && (option || !reading->has_more_recordings)) return true;
+    list(reading, true, names, sizeof names);
+    return trk_fail(out_error,
+                    "%.100s: holds several recordings (%s), expected one to be told: --recording NAME",
+                    reading->lines.path, names);
+}
