@@ -67,16 +67,13 @@ static float ask(const struct survey *survey, int group, const struct rnd_surfac
     const float given =
         rnd_luminance(f.raw) / light->pdf * (light->delta ? 1.0f : rnd_power_heuristic(light->pdf, pdf));
     if (!(given > 0.0f)) return 0.0f;
-    struct RTCIntersectContext context;
     const vec3s from = rnd_leave(surface, to);
     struct RTCRay shadow = ray(from, to, INFINITY);
     if (light->distance < INFINITY) { /* to the very place on it, as shadows go in the integrator */
         const vec3s rest = glms_vec3_sub(glms_vec3_muladds(to, light->distance, p), from);
         shadow = ray(from, glms_vec3_normalize(rest), glms_vec3_norm(rest) * (1.0f - 1e-4f));
     }
-    rtcInitIntersectContext(&context);
-    rtcOccluded1(scene->tree, &context, &shadow);
-    return shadow.tfar < 0.0f ? 0.0f : given;
+    return rnd_embree_occluded1(scene->tree, &shadow) ? 0.0f : given;
 }
 
 /* A path left along a direction that was drawn with density pdf (0: the only one), with that throughput. */
@@ -96,11 +93,9 @@ static void walk(const struct survey *survey, uint32_t index, struct step step[B
     vec3s origin = rnd_vec(survey->eye), direction, throughput = glms_vec3_one();
     rnd_direction(2.0f * (float)M_PI * u[0], asinf(2.0f * u[1] - 1.0f), direction.raw);
     for (uint32_t depth = 0; depth <= BOUNCES; depth++) {
-        struct RTCIntersectContext context;
         struct RTCRayHit hit = {.ray = ray(origin, direction, INFINITY),
                                 .hit = {.geomID = RTC_INVALID_GEOMETRY_ID}};
-        rtcInitIntersectContext(&context);
-        rtcIntersect1(scene->tree, &context, &hit);
+        rnd_embree_intersect1(scene->tree, &hit);
         if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
             if (env && depth > 0) leave(env, direction, pdf, rnd_luminance(throughput.raw), &step[depth - 1]);
             return;

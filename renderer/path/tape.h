@@ -3,9 +3,7 @@
 #ifndef FOVEAD_RENDERER_TAPE_H
 #define FOVEAD_RENDERER_TAPE_H
 
-#include <embree3/rtcore.h>
-#include <stdbool.h>
-#include <stdint.h>
+#include "scene/embree.h"
 
 struct rnd_tape;
 
@@ -14,8 +12,9 @@ void rnd_tape_destroy(struct rnd_tape *tape); /* accepts NULL */
 
 /* Called by the tracer before a call, with what Embree is given. When memory is short the tape stops and
  * rnd_tape_play() says so. */
-void rnd_tape_intersect(struct rnd_tape *tape, int flags, const struct RTCRayHitNp *stream, uint32_t count);
-void rnd_tape_occlude(struct rnd_tape *tape, int flags, const struct RTCRayNp *stream, uint32_t count);
+void rnd_tape_intersect(struct rnd_tape *tape, bool coherent, const int valid[8],
+                        const struct RTCRayHit8 *rays);
+void rnd_tape_occlude(struct rnd_tape *tape, const int valid[8], const struct RTCRay8 *rays);
 
 /* Make all recorded calls once more. False if the tape is not whole. It is used up: rays end where they hit.
  */

@@ -57,7 +57,6 @@ struct rnd_tracer *rnd_tracer_create(const struct rnd_scene *scene, const struct
     tracer->spread = 2.0f * (float)M_PI / (float)width;
     tracer->seed = seed;
     tracer->stages = best_stages();
-    rnd_rays_init(tracer);
     return tracer;
 }
 

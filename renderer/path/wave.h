@@ -47,12 +47,6 @@ struct rnd_hits {
     rnd_words geometry, primitive, instance;
 };
 
-/* What Embree asks for of a ray beyond its path: the same for all. */
-struct rnd_ray_rest {
-    rnd_floats zero;
-    rnd_words nothing, all;
-};
-
 /* Points on surfaces, in the order of the paths; sorted by kind of material. */
 struct rnd_surfaces {
     uint32_t end[RND_RICH + 1]; /* where each kind's points end; it begins where the one before ended */
@@ -103,8 +97,8 @@ _Static_assert((int)RND_LISTS >= (int)RND_LIGHT_GROUPS && (int)RND_LISTS >= (int
 struct rnd_shadows {
     uint32_t count;
     struct rnd_vectors origin, direction, radiance;
-    rnd_floats distance; /* -INFINITY once something was found in between */
-    rnd_words id;        /* as of paths */
+    rnd_floats distance;
+    rnd_words id; /* as of paths */
 };
 
 enum rnd_stage { RND_STAGE_RAYS, RND_STAGE_SURFACE, RND_STAGE_LIGHT, RND_STAGE_SCATTER, RND_STAGES };
@@ -130,7 +124,6 @@ struct rnd_tracer {
     int depth;
     struct rnd_paths paths[2]; /* paths of the step, and where those that go on are put */
     struct rnd_hits hits;
-    struct rnd_ray_rest ray_rest;
     struct rnd_surfaces surfaces;
     struct rnd_areas areas;
     struct rnd_light_choices chosen, lights; /* in the order of the groups' lists, and of the points */
@@ -220,7 +213,6 @@ void ISA(rnd_start)(struct rnd_tracer *tracer, const float eye[3], uint32_t coun
 
 /* rays.c: what paths hit; what an eye sees that looks at the backs of what is one-sided; and which shadow
  * rays get through, whose radiance is added. */
-void rnd_rays_init(struct rnd_tracer *tracer);
 void rnd_intersect(struct rnd_tracer *tracer, struct rnd_paths *paths, uint32_t count, bool coherent);
 void rnd_pass_backs(struct rnd_tracer *tracer, const struct rnd_paths *paths, uint32_t count);
 void rnd_occlude(struct rnd_tracer *tracer);

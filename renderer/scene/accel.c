@@ -50,7 +50,7 @@ bool rnd_accel_build(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE])
     }
     scene->tree = rtcNewScene(scene->device);
     for (uint32_t i = 0; i < scene->material_count; i++) scene->one_sided |= scene->material[i].one_sided;
-    if (scene->one_sided) rtcSetSceneFlags(scene->tree, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+    if (scene->one_sided) rtcSetSceneFlags(scene->tree, RND_SCENE_QUERY_FILTER);
     if (scene->info.triangles <= SPLIT_TRIANGLES)
         rtcSetSceneBuildQuality(scene->tree, RTC_BUILD_QUALITY_HIGH);
     for (uint32_t i = 0; i < scene->mesh_count; i++) {
@@ -59,7 +59,7 @@ bool rnd_accel_build(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE])
             continue;
         }
         part[i] = rtcNewScene(scene->device);
-        if (scene->one_sided) rtcSetSceneFlags(part[i], RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+        if (scene->one_sided) rtcSetSceneFlags(part[i], RND_SCENE_QUERY_FILTER);
         attach_mesh(scene, i, part[i], 0);
         rtcCommitScene(part[i]);
     }

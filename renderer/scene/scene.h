@@ -4,13 +4,13 @@
 #define FOVEAD_RENDERER_SCENE_H
 
 #include "renderer.h"
+#include "scene/embree.h"
 #include "scene/image_io.h"
 #include "scene/light.h"
 #include "scene/record.h"
 #include "scene/texture.h"
 #include "sphere.h"
 
-#include <embree3/rtcore.h>
 #include <pthread.h>
 #include <stdatomic.h>
 

@@ -95,7 +95,6 @@ static struct mean by_directions(const struct rnd_scene *scene)
     struct mean mean = {0};
     for (uint32_t i = 0; i < RAYS; i++) {
         const float r = sqrtf(stat_uniform(5, i)), turn = 2.0f * (float)M_PI * stat_uniform(6, i);
-        struct RTCIntersectContext context;
         struct RTCRayHit hit = {.ray = {.org_y = 1e-4f,
                                         .dir_x = r * cosf(turn),
                                         .dir_y = sqrtf(1.0f - r * r),
@@ -103,8 +102,7 @@ static struct mean by_directions(const struct rnd_scene *scene)
                                         .tfar = INFINITY,
                                         .mask = UINT32_MAX},
                                 .hit = {.geomID = RTC_INVALID_GEOMETRY_ID}};
-        rtcInitIntersectContext(&context);
-        rtcIntersect1(scene->tree, &context, &hit);
+        rnd_embree_intersect1(scene->tree, &hit);
         double value = 0.0;
         if (hit.hit.geomID != RTC_INVALID_GEOMETRY_ID &&
             scene->mesh[hit.hit.geomID].first_light != UINT32_MAX) {

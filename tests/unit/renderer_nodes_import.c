@@ -84,12 +84,10 @@ static void first_frame(void **state)
 static const struct rnd_instance *look_down(const struct rnd_scene *scene, float x, float z,
                                             uint32_t *out_mesh, vec3s *out_point, vec3s *out_normal)
 {
-    struct RTCIntersectContext context;
     struct RTCRayHit hit = {
         .ray = {.org_x = x, .org_y = 50, .org_z = z, .dir_y = -1, .tfar = INFINITY, .mask = UINT32_MAX},
         .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}}};
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(scene->tree, &context, &hit);
+    rnd_embree_intersect1(scene->tree, &hit);
     if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) fail_msg("nothing at %g, %g", x, z);
     const struct rnd_instance *instance = rnd_resolve_hit(scene, hit.hit.geomID, hit.hit.instID[0], out_mesh);
     const struct rnd_mesh *mesh = &scene->mesh[*out_mesh];
