@@ -21,6 +21,11 @@ class Unreadable(Exception):
     """What is wrong with a scene, in one line."""
 
 
+def owner(thing, name):
+    """Who has a setting of Cycles: the object or camera itself in newer Blenders, its part for Cycles in Blender 3.4."""
+    return thing if hasattr(thing, name) else thing.cycles
+
+
 # --- geometry ---
 
 
@@ -134,11 +139,12 @@ def add_mesh(buffers, primitive, world, material, emits):
     if normal:
         turn = to_here.to_3x3().inverted_safe().transposed()
         mesh.polygons.foreach_set("use_smooth", [True] * len(faces))
-        mesh.use_auto_smooth = True  # else Cycles does not look at them
+        if hasattr(mesh, "use_auto_smooth"):
+            mesh.use_auto_smooth = True  # before Blender 4.1 Cycles looks at them only then
         mesh.normals_split_custom_set_from_vertices(
             [(turn @ Vector(normal[i:i + 3])).normalized() for i in range(0, len(normal), 3)])
     thing = bpy.data.objects.new("object", mesh)
-    thing.cycles.shadow_terminator_geometry_offset = 0  # on by default, and a bias
+    owner(thing, "shadow_terminator_geometry_offset").shadow_terminator_geometry_offset = 0  # on by default, and a bias
     bpy.context.scene.collection.objects.link(thing)
     return triangles
 
@@ -262,7 +268,7 @@ def add_sun(azimuth, elevation, irradiance, diameter):
 def add_camera(eye):
     data = bpy.data.cameras.new("camera")
     data.type = "PANO"
-    data.cycles.panorama_type = "EQUIRECTANGULAR"
+    owner(data, "panorama_type").panorama_type = "EQUIRECTANGULAR"
     data.clip_start, data.clip_end = 1e-4, 1e9
     camera = bpy.data.objects.new("camera", data)
     camera.location = FRAME @ Vector(eye)
