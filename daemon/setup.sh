@@ -1,6 +1,7 @@
 #!/bin/sh
 # Installs what fovead is built from, as far as it is missing: sh daemon/setup.sh; with the tests' needs, and gnuplot,
-# by which foveactl and fovea-bench draw charts: sh daemon/setup.sh tests. For Debian 12 and its relatives; as root, or by sudo where that asks nothing.
+# by which foveactl and fovea-bench draw charts: sh daemon/setup.sh tests. For Debian 12, 13 and their relatives, where
+# the packages have the same names; as root, or by sudo where that asks nothing.
 set -eu
 
 say() { printf 'setup: %s\n' "$*"; }

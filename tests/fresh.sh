@@ -1,7 +1,7 @@
 #!/bin/sh
-# Proves the two commands on a machine that has nothing: a minimal Debian 12 root made by debootstrap, with a clone of
-# this tree in it; there `sh daemon/demo.sh` and then `sh tests/run.sh`. Needs root. Mirror, keyring and apt's settings
-# are those of the machine that it runs on. The demonstration's pictures are left in out/fresh/.
+# Proves the two commands on a machine that has nothing: a minimal Debian root made by debootstrap, with a clone of this
+# tree in it; there `sh daemon/demo.sh` and then `sh tests/run.sh`. Needs root. Mirror, keyring and apt's settings are
+# those of the machine that it runs on. The demonstration's pictures are left in out/fresh/.
 set -eu
 cd "$(dirname "$0")/.."
 tree=$PWD
@@ -9,13 +9,23 @@ tree=$PWD
 say() { printf 'fresh: %s\n' "$*"; }
 die() { printf 'fresh: %s\n' "$*" >&2; exit 1; }
 
+usage="usage: sh tests/fresh.sh [bookworm|trixie]
+bookworm is Debian 12, trixie Debian 13; without a name the one that this machine runs, and bookworm elsewhere"
+[ $# -le 1 ] || die "$usage"
+case ${1:-$(. /etc/os-release && echo "${VERSION_CODENAME:-}")} in
+bookworm) release=bookworm number=12 ;;
+trixie) release=trixie number=13 ;;
+*) [ $# = 0 ] || die "$usage"; release=bookworm number=12 ;;
+esac
 [ "$(id -u)" = 0 ] || die "must be run as root: debootstrap and chroot need it"
 command -v debootstrap >/dev/null || apt-get install -y --no-install-recommends debootstrap >/dev/null
 command -v git >/dev/null || die "git is missing: apt-get install git"
 [ -z "$(git status --porcelain)" ] || say "only what is committed is tested; there are changes that are not"
 
-mirror=$(apt-get indextargets --format '$(REPO_URI) $(CODENAME)' 'Created-By: Packages' | sed -n 's/ bookworm$//p' | head -n 1)
-keyring=/usr/share/keyrings/debian-archive-keyring.gpg
+# One mirror has all releases: the machine's own main one, which has no suffix such as -updates.
+mirror=$(apt-get indextargets --format '$(REPO_URI) $(CODENAME)' 'Created-By: Packages' |
+    sed -nE 's/ (bookworm|trixie)$//p' | head -n 1)
+keyring=/usr/share/keyrings/debian-archive-keyring.gpg # apt-get install debian-archive-keyring
 [ -n "$mirror" ] || mirror=http://deb.debian.org/debian
 root=$(mktemp -d /var/tmp/fovead-fresh.XXXXXX)
 
@@ -28,8 +38,8 @@ finish() {
 trap finish EXIT
 trap 'exit 130' INT TERM
 
-say "a minimal Debian 12 from $mirror"
-debootstrap --variant=minbase --keyring="$keyring" bookworm "$root" "$mirror" >"$root.log" 2>&1 ||
+say "a minimal Debian $number ($release) from $mirror"
+debootstrap --variant=minbase --keyring="$keyring" "$release" "$root" "$mirror" >"$root.log" 2>&1 ||
     { tail -n 5 "$root.log" >&2; die "debootstrap failed"; }
 rm -f "$root.log"
 for setting in /etc/apt/apt.conf /etc/apt/apt.conf.d/*; do
@@ -53,4 +63,4 @@ mkdir -p out/fresh
 cp "$root"/fovead/out/* out/fresh/
 say "sh tests/run.sh"
 inside "sh tests/run.sh"
-say "both commands work on a fresh Debian 12"
+say "both commands work on a fresh Debian $number"
