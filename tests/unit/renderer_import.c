@@ -96,12 +96,6 @@ static void parts_absent(void **state)
     float rgb[64 * 32 * 3] = {0};
     assert_true(rnd_image_write(files_path("black.exr"), 64, 32, rgb, true, error));
     assert_refused_with(good, files_path("black.exr"), "black.exr", "black");
-    rgb[300] = NAN;
-    assert_true(rnd_image_write(files_path("nan.exr"), 64, 32, rgb, true, error));
-    assert_refused_with(good, files_path("nan.exr"), "nan.exr", "pixel 100");
-    rgb[300] = -1.0f;
-    assert_true(rnd_image_write(files_path("less.exr"), 64, 32, rgb, true, error));
-    assert_refused_with(good, files_path("less.exr"), "less.exr", "pixel 100");
 }
 
 /* How often a word is in a text. */
