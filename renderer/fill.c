@@ -25,6 +25,8 @@ _Static_assert(RND_TILE == 1 << TOP, "the tree below has so many levels");
 struct node {
     float mean[3];
     float paths, hits; /* 0 paths: nothing is known */
+    bool mixed;        /* a part has no path, or has found nothing */
+    bool lent;         /* what it is to show is not its own mean */
 };
 
 static bool is_black(const struct node *node)
@@ -37,6 +39,7 @@ static void sum_up(const struct node *const part[4], struct node *out)
     float parts = 0.0f;
     *out = (struct node){0};
     for (int i = 0; i < 4; i++) {
+        out->mixed |= part[i]->paths <= 0.0f || is_black(part[i]);
         if (part[i]->paths <= 0.0f) continue;
         for (int c = 0; c < 3; c++) out->mean[c] += part[i]->mean[c];
         out->paths += part[i]->paths;
@@ -59,20 +62,23 @@ static float doubt(const struct node *whole, const struct node *const part[4])
     return fminf(most, 1.0f);
 }
 
-/* Give parts the means to be shown, so that shown is the mean of them all. */
-static void hand_down(const float shown[3], struct node *const part[4])
+/* Give parts the means to be shown, so that what the whole is to show is the mean of them all. */
+static void hand_down(const struct node *shown, struct node *const part[4])
 {
     struct node whole;
     const struct node *const known[4] = {part[0], part[1], part[2], part[3]};
     sum_up(known, &whole);
-    const float even = doubt(&whole, known);
-    for (int i = 0; i < 4; i++)
+    const float even = shown->mixed ? doubt(&whole, known) : 0.0f;
+    for (int i = 0; i < 4; i++) {
+        part[i]->lent = shown->lent || even > 0.0f || part[i]->paths <= 0.0f;
+        if (!part[i]->lent) continue;
         for (int c = 0; c < 3; c++) {
-            float own = shown[c];
+            float own = shown->mean[c];
             if (part[i]->paths > 0.0f && whole.mean[c] > 0.0f)
                 own *= even + (1.0f - even) * (part[i]->mean[c] / whole.mean[c]);
             part[i]->mean[c] = own;
         }
+    }
 }
 
 /* The four parts of a node of a level. */
@@ -88,11 +94,15 @@ static void parts_of(struct node *finer, int side, int i, struct node *out[4])
 bool rnd_fill(const struct rnd_sums *sums, float *out_rgb)
 {
     struct node tree[RND_TILE * RND_TILE * 4 / 3 + 1], *level[TOP + 1] = {tree}, *part[4];
+    bool mixed = false;
     for (int i = 0; i < RND_TILE * RND_TILE; i++) {
         const struct rnd_sum *sum = &sums->pixel[i];
+        const float share = sum->area > 0.0f ? 1.0f / sum->area : 0.0f;
         tree[i] = (struct node){.paths = sum->paths, .hits = sum->hits};
-        for (int c = 0; c < 3 && sum->area > 0.0f; c++) tree[i].mean[c] = sum->light[c] / sum->area;
+        for (int c = 0; c < 3; c++) out_rgb[3 * i + c] = tree[i].mean[c] = sum->light[c] * share;
+        mixed |= sum->paths <= 0.0f || is_black(&tree[i]);
     }
+    if (!mixed) return true; /* as it is nearly always, after a while */
     for (int l = 1; l <= TOP; l++) {
         const int finer = RND_TILE >> (l - 1), side = RND_TILE >> l;
         level[l] = level[l - 1] + finer * finer;
@@ -105,8 +115,9 @@ bool rnd_fill(const struct rnd_sums *sums, float *out_rgb)
     for (int l = TOP; l >= 1; l--) {
         const int side = RND_TILE >> l;
         for (int i = 0; i < side * side; i++) {
+            if (!level[l][i].mixed && !level[l][i].lent) continue;
             parts_of(level[l - 1], side, i, part);
-            hand_down(level[l][i].mean, part);
+            hand_down(&level[l][i], part);
         }
     }
     for (int i = 0; i < RND_TILE * RND_TILE; i++) memcpy(&out_rgb[3 * i], tree[i].mean, sizeof tree[i].mean);

@@ -156,10 +156,13 @@ static void spread(struct rnd_film_tile *tile)
 static uint32_t pixel_mean(const struct rnd_film_pixels *pixels, uint32_t i, float out_mean[3])
 {
     const uint32_t even = pixels->count[0][i], odd = pixels->count[1][i], n = even + odd;
-    const float a = even > 0 ? (float)even / (float)n : 0.0f, b = odd > 0 ? (float)odd / (float)n : 0.0f;
-    for (int c = 0; c < 3; c++)
-        out_mean[c] =
-            (even > 0 ? a * pixels->half[0][i][c] : 0.0f) + (odd > 0 ? b * pixels->half[1][i][c] : 0.0f);
+    const float *m[2] = {pixels->half[0][i], pixels->half[1][i]};
+    if (even == 0 || odd == 0) {
+        for (int c = 0; c < 3; c++) out_mean[c] = n == 0 ? 0.0f : m[even == 0][c];
+    } else {
+        const float share = (float)odd / (float)n;
+        for (int c = 0; c < 3; c++) out_mean[c] = m[0][c] + (m[1][c] - m[0][c]) * share;
+    }
     return n;
 }
 
@@ -224,7 +227,7 @@ int rnd_render_levels(const struct rnd_render *render)
     return levels;
 }
 
-static void add_part(struct rnd_sum *to, const float mean[3], float paths, float hits)
+static inline void add_part(struct rnd_sum *to, const float mean[3], float paths, float hits)
 {
     for (int c = 0; c < 3; c++) to->light[c] += mean[c];
     to->area += 1.0f;
@@ -288,13 +291,17 @@ static void add_tile(const struct rnd_film_tile *tile, int scale, int left, int 
     } else if (!tile->spread) {
         add_listed(tile, scale, left, top, sums);
     } else {
+        const int shift = __builtin_ctz((unsigned)scale); /* it is a power of two */
         for (uint32_t i = 0; i < RND_TILE_PIXELS; i++) {
             float mean[3];
-            const int x = (int)i % RND_TILE, y = (int)i / RND_TILE;
-            const uint32_t n = pixel_mean(tile->pixels, i, mean);
+            const uint32_t x = i % RND_TILE, y = i / RND_TILE, n = pixel_mean(tile->pixels, i, mean);
+            const uint32_t to = ((uint32_t)top + (y >> shift)) * RND_TILE + (uint32_t)left + (x >> shift);
+            const struct rnd_film_block *block =
+                &tile->block[y / RND_BLOCK * (RND_TILE / RND_BLOCK) + x / RND_BLOCK];
             if (n == 0) continue;
-            add_part(&sums->pixel[(top + y / scale) * RND_TILE + left + x / scale], mean, (float)n,
-                     hits_of(tile->pixels, i, n, mean));
+            /* how many paths find light matters beside pixels where none has */
+            add_part(&sums->pixel[to], mean, (float)n,
+                     block->lit == block->visited ? (float)n : hits_of(tile->pixels, i, n, mean));
         }
     }
 }

@@ -160,8 +160,12 @@ static void light_moves_no_sample(void **state)
             if (k == 1 && m == 0) assert_true(tiles[0].converged && tiles[1].converged);
             rnd_render_destroy(render);
         }
-        assert_memory_equal(samples[0], samples[1], sizeof samples[0]);
-        assert_memory_equal(samples[0], samples[2], sizeof samples[0]);
+        int apart = 0;
+        for (int i = 0; i < W * H; i++)
+            apart += samples[0][i] != samples[1][i] || samples[0][i] != samples[2][i];
+        print_message("%s: %d of %d pixels have another number of paths in another light\n", modes[m], apart,
+                      W * H);
+        assert_int_equal(apart, 0);
     }
     for (int k = 0; k < 3; k++) rnd_scene_destroy(scene[k]);
 }
