@@ -1,79 +1,111 @@
-/* A glTF file beside assimp: its JSON, the bytes behind it, and where its nodes are at the first frame.
+/* A glTF 2.0 file: its JSON, the bytes behind it, the numbers that accessors find in them, and its nodes.
  *
- * assimp reads the geometry; what it drops or garbles is read here.
+ * Errors name the place in the JSON, as meshes[0].primitives[1].indices, and what was expected there.
  */
 #ifndef FOVEAD_RENDERER_GLTF_H
 #define FOVEAD_RENDERER_GLTF_H
 
-#include "renderer.h"
-#include "scene/light.h"
+#include "scene/import.h"
 
-#include <assimp/scene.h>
 #include <jansson.h>
-
-enum { RND_NODE_DEPTH = 256 };
 
 /* A node's translation, rotation (x, y, z, w) and scale. */
 struct rnd_pose {
     float translation[3], rotation[4], scale[3];
 };
 
+enum { RND_WHERE_SIZE = 160 }; /* of a place in the JSON */
+
 struct rnd_gltf {
-    const char *path;     /* the caller's */
-    char *error;          /* RND_ERROR_SIZE bytes of the caller's, for one line of what is wrong */
-    char directory[2048]; /* with its slash, or "" */
+    struct rnd_import *in;
     json_t *root;
-    size_t json_end, file_size; /* of a GLB: where its first chunk ends; 0 for JSON alone */
-    struct rnd_pose *pose;      /* of nodes, at the first frame of the first animation */
-    bool *moved;                /* is that pose to be used? */
-    bool morphs;                /* weights of morph targets that are not 0 are asked for */
+    size_t bin_start, bin_size; /* of a GLB: its second chunk's bytes in the file; 0: it has none */
+    struct rnd_gltf_buffer {
+        uint8_t *bytes; /* NULL: not read yet */
+        size_t size;
+    } * buffer;
+    size_t root_count, *node_root; /* nodes where the scene begins */
+    struct rnd_pose *pose;         /* of nodes, at the first frame of the first animation */
+    bool *moved;                   /* is that pose to be used? */
+    bool *visited;                 /* nodes that a round has met */
+    struct rnd_gltf_mesh {
+        bool read;
+        uint32_t first, count; /* of the import's shapes */
+    } * mesh;
+    bool morphs; /* weights of morph targets that are not 0 are asked for */
 };
 
-/* --- gltf.c --- */
+/* --- gltf_json.c --- */
 
-/* Read the JSON, and see that its nodes are trees of at most RND_NODE_DEPTH, as glTF 2.0 section 3.5.2 wants
- * them: assimp would follow what is not to the end of memory. False and a line in out_error. */
-bool rnd_gltf_open(struct rnd_gltf *gltf, const char *path, char out_error[RND_ERROR_SIZE]);
+/* Read the JSON and check what is asked for. False and a line in gltf->in->error. */
+bool rnd_gltf_open(struct rnd_gltf *gltf, struct rnd_import *in);
 void rnd_gltf_close(struct rnd_gltf *gltf);
 
-/* Put "path: what" on one line into gltf->error. Returns false. */
-bool rnd_gltf_fail(struct rnd_gltf *gltf, const char *what);
-/* list[index] of the root, or NULL if the index is no integer or there is none such. */
-const json_t *rnd_gltf_at(const struct rnd_gltf *gltf, const char *list, const json_t *index);
 const json_t *rnd_gltf_extension(const json_t *object, const char *name);
-
-/* --- gltf_assimp.c --- */
-
-/* The file as assimp imports it, without cameras and lights, and with materials that are only names. Names of
- * materials and nodes are their indices in the file. NULL with the cause in aiGetErrorString(). The caller
- * frees with aiReleaseImport(). */
-const struct aiScene *rnd_gltf_import(struct rnd_gltf *gltf, unsigned flags);
+/* How many elements a list of the root has. */
+size_t rnd_gltf_length(const struct rnd_gltf *gltf, const char *list);
+/* object[key] as a whole number from 0 to most, or otherwise if it is not there; SIZE_MAX as that means that
+ * it must be. where is the object's place. False and a line in the import's error. */
+bool rnd_gltf_size(struct rnd_gltf *gltf, const json_t *object, const char *key, size_t otherwise,
+                   size_t most, const char *where, size_t *out);
+/* The element of a list of the root that value, at that place, is the index of. NULL and a line. */
+const json_t *rnd_gltf_at(struct rnd_gltf *gltf, const char *list, const json_t *value, const char *where,
+                          size_t *out_index);
+/* Name what the file asks for and is left out. */
+void rnd_gltf_name_unsupported(struct rnd_gltf *gltf);
 
 /* --- gltf_bytes.c --- */
 
-/* Undo %20 and the like, in place. */
-void rnd_gltf_decode_percent(char *text);
 /* The bytes of a data URI. NULL if it is not one of base64, or memory is short. The caller frees. */
 uint8_t *rnd_gltf_data_uri(const char *uri, size_t *out_count);
-/* The bytes of a buffer view. NULL and a line in gltf->error if they are not there. The caller frees. */
-uint8_t *rnd_gltf_view(struct rnd_gltf *gltf, const json_t *index, size_t *out_count);
-/* How many elements an accessor says it has. */
-size_t rnd_gltf_count(const struct rnd_gltf *gltf, const json_t *accessor);
-/* Elements first .. first + count of an accessor, n numbers each (its type must have as many), normalised
- * integers as floats, into out. False and a line in gltf->error if they are not there or not finite. */
-bool rnd_gltf_floats(struct rnd_gltf *gltf, const json_t *accessor, size_t first, size_t count, int n,
-                     float *out);
+/* The bytes of a buffer view, the file's until it is closed, and the distance of elements that it asks for,
+ * or 0. NULL and a line. */
+const uint8_t *rnd_gltf_view(struct rnd_gltf *gltf, const json_t *index, const char *where, size_t *out_size,
+                             size_t *out_stride);
+
+/* --- gltf_accessor.c --- */
+
+enum {
+    RND_GLTF_BYTE = 5120,
+    RND_GLTF_UNSIGNED_BYTE,
+    RND_GLTF_SHORT,
+    RND_GLTF_UNSIGNED_SHORT,
+    RND_GLTF_UNSIGNED_INT = 5125,
+    RND_GLTF_FLOAT
+};
+
+struct rnd_gltf_accessor {
+    size_t count;      /* elements */
+    size_t n;          /* numbers of an element, 1 to 4 */
+    size_t component;  /* RND_GLTF_... */
+    bool normalised;   /* integers stand for -1 to 1, or 0 to 1 */
+    size_t stride;     /* bytes from element to element */
+    const uint8_t *at; /* the first, or NULL: all are 0 */
+    size_t sparse;     /* elements that are elsewhere, at rising indices */
+    size_t sparse_component;
+    const uint8_t *sparse_index, *sparse_value;
+};
+
+/* Find an accessor; all that it says is there is there. False and a line. */
+bool rnd_gltf_accessor(struct rnd_gltf *gltf, const json_t *index, const char *where,
+                       struct rnd_gltf_accessor *out);
+/* Elements first .. first + count as floats, integers normalised as glTF 2.0 section 3.6.2.2 says. */
+void rnd_gltf_floats(const struct rnd_gltf_accessor *accessor, size_t first, size_t count, float *out);
+/* All elements of an accessor of unsigned integers. */
+void rnd_gltf_integers(const struct rnd_gltf_accessor *accessor, uint32_t *out);
+
+/* --- gltf_mesh.c --- */
+
+/* Make shapes of a mesh's primitives, once. False and a line. */
+bool rnd_gltf_read_mesh(struct rnd_gltf *gltf, size_t mesh);
 
 /* --- gltf_node.c --- */
 
-/* Find the poses of the first frame, and whether it is morphed. False and a line in gltf->error. */
+/* See that nodes are trees, and find where the scene begins. False and a line. */
+bool rnd_gltf_check_nodes(struct rnd_gltf *gltf);
+/* Find the poses of the first frame, and whether it is morphed. False and a line. */
 bool rnd_gltf_first_frame(struct rnd_gltf *gltf);
-/* Poses of EXT_mesh_gpu_instancing within a node; *out_count is 0 if it does not ask for any. The caller
- * frees. False and a line in gltf->error. */
-bool rnd_gltf_node_instances(struct rnd_gltf *gltf, const json_t *node, struct rnd_pose **out_pose,
-                             size_t *out_count);
-/* The light of KHR_lights_punctual at a node, all but where it is and shines; *out_any: is there one? False
- * and a line in gltf->error. */
-bool rnd_gltf_node_light(struct rnd_gltf *gltf, const json_t *node, struct rnd_punctual *out, bool *out_any);
+/* Hand all nodes of the scene over: rnd_import_nodes() calls it. */
+bool rnd_gltf_walk(struct rnd_import *in, void *gltf);
 
 #endif

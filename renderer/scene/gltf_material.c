@@ -1,7 +1,8 @@
-/* glTF 2.0 materials and their Khronos extensions, from the JSON of the file. */
+/* glTF 2.0 materials and their Khronos extensions. */
+#include "scene/find_file.h"
+#include "scene/gltf.h"
 #include "scene/material.h"
 
-#include <assimp/material.h>
 #include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,39 +12,39 @@
 struct reader {
     struct rnd_gltf *gltf;
     struct rnd_scene *scene;
-    int index; /* in the file */
+    size_t index; /* in the file */
     const json_t *json;
+    const char *part; /* of it, with a point before it */
     struct rnd_material *to;
-    bool ok; /* until the first error, which is in gltf->error */
 };
 
-static void fail(struct reader *r, const char *what)
+/* "path: materials[3].pbrMetallicRoughness.metallicFactor: what" as a warning. */
+static void warn(struct reader *r, const char *key, const char *what)
 {
-    char text[240];
-    const char *name = json_string_value(json_object_get(r->json, "name"));
-    if (!r->ok) return;
-    snprintf(text, sizeof text, "material %d \"%.60s\": %.150s", r->index, name ? name : "", what);
-    r->ok = rnd_gltf_fail(r->gltf, text);
+    rnd_warn(&r->scene->warnings, "%.200s: materials[%zu]%s.%s: %s", r->gltf->in->path, r->index, r->part,
+             key, what);
 }
 
 /* --- numbers --- */
 
 static float check(struct reader *r, const char *key, double value, double low, double high)
 {
-    const double slack = high < FLT_MAX ? 1e-4 * high : 0.0; /* exporters round */
-    if (!(value >= low - slack && value <= high + slack)) {
+    const double clamped = fmin(fmax(value, low), high), slack = high < FLT_MAX ? 1e-4 * high : 0.0;
+    if (!(value >= low - slack && value <= high + slack)) { /* else an exporter has rounded */
         char what[120];
-        snprintf(what, sizeof what, "%s is %g, expected %g to %g", key, value, low, high);
-        fail(r, what);
+        snprintf(what, sizeof what, "%g, expected %g to %g; %g is used", value, low, high, clamped);
+        warn(r, key, what);
     }
-    return (float)fmin(fmax(value, low), high);
+    return (float)clamped;
 }
 
 static float number(struct reader *r, const json_t *object, const char *key, float otherwise, double low,
                     double high)
 {
     const json_t *value = json_object_get(object, key);
-    return json_is_number(value) ? check(r, key, json_number_value(value), low, high) : otherwise;
+    if (json_is_number(value)) return check(r, key, json_number_value(value), low, high);
+    if (value) warn(r, key, "expected a number; the default is used");
+    return otherwise;
 }
 
 /* A list of n numbers, or else what out holds already. */
@@ -51,10 +52,14 @@ static void numbers(struct reader *r, const json_t *object, const char *key, siz
                     double high, float *out)
 {
     const json_t *list = json_object_get(object, key);
-    if (json_array_size(list) != n) return;
-    for (size_t i = 0; i < n; i++)
-        if (!json_is_number(json_array_get(list, i))) return;
-    for (size_t i = 0; i < n; i++)
+    bool good = json_array_size(list) == n;
+    for (size_t i = 0; i < n; i++) good = good && json_is_number(json_array_get(list, i));
+    if (list && !good)
+        warn(r, key,
+             n == 4   ? "expected 4 numbers; the default is used"
+             : n == 3 ? "expected 3 numbers; the default is used"
+                      : "expected 2 numbers; the default is used");
+    for (size_t i = 0; good && i < n; i++)
         out[i] = check(r, key, json_number_value(json_array_get(list, i)), low, high);
 }
 
@@ -70,44 +75,31 @@ static const char *ending(const uint8_t *bytes, size_t count, const json_t *imag
     return mime && strcmp(mime, "image/jpeg") == 0 ? "jpg" : "png";
 }
 
-/* Index of the scene's texture for an image of the file, or -1 after fail(). */
-static int add_image(struct reader *r, const json_t *index, bool srgb)
+/* Index of the scene's texture for an image of the file, or -1 after a warning. */
+static int add_image(struct reader *r, size_t index, const json_t *image, bool srgb)
 {
-    const json_t *image = rnd_gltf_at(r->gltf, "images", index);
-    const char *uri = json_string_value(json_object_get(image, "uri"));
     const enum rnd_pixels_use use = srgb ? RND_PIXELS_SRGB : RND_PIXELS_DATA;
-    char path[4096];
-    int texture = -1;
+    const struct rnd_import *in = r->gltf->in;
+    const char *uri = json_string_value(json_object_get(image, "uri"));
+    char path[RND_PATH_SIZE], where[RND_WHERE_SIZE];
+    uint8_t *own = NULL;
+    size_t count = 0, stride;
     if (uri && strncmp(uri, "data:", 5) != 0) {
-        if (snprintf(path, sizeof path, "%s%s", uri[0] == '/' ? "" : r->gltf->directory, uri) >=
-            (int)sizeof path) {
-            fail(r, "an image's path is too long");
-            return -1;
-        }
-        FILE *file = fopen(path, "rb");
-        if (file)
-            fclose(file);
-        else
-            rnd_gltf_decode_percent(path + strlen(path) - strlen(uri));
-        texture = rnd_texture_add(r->scene, path, NULL, 0, use, r->gltf->error);
-    } else {
-        size_t count = 0;
-        uint8_t *bytes = uri ? rnd_gltf_data_uri(uri, &count)
-                             : rnd_gltf_view(r->gltf, json_object_get(image, "bufferView"), &count);
-        if (!bytes && uri) {
-            rnd_warn(&r->scene->warnings,
-                     "%s: images[%d].uri: expected base64; what it is for goes by its factor alone",
-                     r->gltf->path, (int)json_integer_value(index));
-            return -1;
-        }
-        if (bytes) {
-            snprintf(path, sizeof path, "%.200s: image %d.%s", r->gltf->path, (int)json_integer_value(index),
-                     ending(bytes, count, image));
-            texture = rnd_texture_add(r->scene, path, bytes, count, use, r->gltf->error);
-        }
-        free(bytes);
+        rnd_find_file(in->directory, uri, true, path); /* if it is not there, reading it says so */
+        return rnd_texture_add(r->scene, path, NULL, 0, use, in->error);
     }
-    if (texture < 0) r->ok = false; /* the line is there */
+    snprintf(where, sizeof where, "images[%zu].bufferView", index);
+    const uint8_t *bytes =
+        uri ? (own = rnd_gltf_data_uri(uri, &count))
+            : rnd_gltf_view(r->gltf, json_object_get(image, "bufferView"), where, &count, &stride);
+    if (!bytes) {
+        if (uri) rnd_import_fail(r->gltf->in, "images[%zu].uri: expected a file or base64", index);
+        rnd_warn(&r->scene->warnings, "%s; what it is for goes by its factor alone", in->error);
+        return -1;
+    }
+    snprintf(path, sizeof path, "%.200s: image %zu.%s", in->path, index, ending(bytes, count, image));
+    const int texture = rnd_texture_add(r->scene, path, bytes, count, use, in->error);
+    free(own);
     return texture;
 }
 
@@ -132,26 +124,38 @@ static void read_transform(struct reader *r, const json_t *json, struct rnd_map 
     }
 }
 
+/* The image of a texture that a map names. NULL after a warning if there is none that can be read. */
+static const json_t *find_image(struct reader *r, const json_t *info, const char *key,
+                                const json_t **out_texture, size_t *out_index)
+{
+    char where[RND_WHERE_SIZE];
+    snprintf(where, sizeof where, "materials[%zu]%s.%s.index", r->index, r->part, key);
+    const json_t *texture = *out_texture =
+        rnd_gltf_at(r->gltf, "textures", json_object_get(info, "index"), where, NULL);
+    const json_t *source = json_object_get(texture, "source"), *image = NULL;
+    if (!source) source = json_object_get(rnd_gltf_extension(texture, "EXT_texture_webp"), "source");
+    snprintf(where, sizeof where, "materials[%zu]%s.%s: its texture's source", r->index, r->part, key);
+    if (texture && !source)
+        rnd_scene_unsupported(r->scene, "textures without a PNG, JPEG or WebP image");
+    else if (!texture || !(image = rnd_gltf_at(r->gltf, "images", source, where, out_index)))
+        rnd_warn(&r->scene->warnings, "%s; its factor stands alone", r->gltf->in->error);
+    return image;
+}
+
 static void read_map(struct reader *r, const json_t *object, const char *key, enum rnd_map_use use, bool srgb)
 {
-    const json_t *info = json_object_get(object, key);
+    const json_t *info = json_object_get(object, key), *texture;
     struct rnd_map *map = &r->to->map[use];
-    if (!r->ok || !json_is_object(info)) return;
-    const json_t *texture = rnd_gltf_at(r->gltf, "textures", json_object_get(info, "index"));
-    const json_t *image = json_object_get(texture, "source");
-    if (!image) image = json_object_get(rnd_gltf_extension(texture, "EXT_texture_webp"), "source");
-    if (!texture) {
-        char what[80];
-        snprintf(what, sizeof what, "%s names a texture that is not there", key);
-        fail(r, what);
-        return;
-    }
-    if (!image) {
-        rnd_scene_unsupported(r->scene, "textures without a PNG, JPEG or WebP image");
-        return;
-    }
-    map->texture = add_image(r, image, srgb);
-    const json_t *sampler = rnd_gltf_at(r->gltf, "samplers", json_object_get(texture, "sampler"));
+    size_t index;
+    if (!json_is_object(info)) return;
+    const json_t *image = find_image(r, info, key, &texture, &index);
+    if (!image) return;
+    map->texture = add_image(r, index, image, srgb);
+    const json_t *number_of = json_object_get(texture, "sampler");
+    const json_t *sampler = json_is_integer(number_of)
+                                ? json_array_get(json_object_get(r->gltf->root, "samplers"),
+                                                 (size_t)json_integer_value(number_of))
+                                : NULL;
     map->wrap[0] = wrap_of(sampler, "wrapS");
     map->wrap[1] = wrap_of(sampler, "wrapT");
     const json_t *transform = rnd_gltf_extension(info, "KHR_texture_transform");
@@ -172,9 +176,13 @@ static void read_volume(struct reader *r, const json_t *json)
 {
     struct rnd_material *to = r->to;
     const float thickness = number(r, json, "thicknessFactor", 0.0f, 0.0, FLT_MAX);
-    const float distance = number(r, json, "attenuationDistance", INFINITY, FLT_MIN, FLT_MAX);
+    float distance = number(r, json, "attenuationDistance", INFINITY, 0.0, FLT_MAX);
     vec3s colour = glms_vec3_one();
     numbers(r, json, "attenuationColor", 3, 0.0, 1.0, colour.raw);
+    if (distance == 0.0f) {
+        warn(r, "attenuationDistance", "0, expected more; nothing is absorbed");
+        distance = INFINITY;
+    }
     to->thin = !(thickness > 0.0f);
     /* of black no finite absorption makes; this leaves a millionth */
     for (int c = 0; !to->thin && c < 3; c++)
@@ -219,22 +227,27 @@ static void read_extensions(struct reader *r, const json_t *json)
     };
     struct rnd_material *to = r->to;
     const json_t *e = rnd_gltf_extension(json, "KHR_materials_ior");
-    const float ior = number(r, e, "ior", 1.5f, 0.0, 1e3);
-    if (ior > 0.0f && ior < 1.0f) fail(r, "ior is between 0 and 1, expected 0 or from 1 on");
+    r->part = ".extensions.KHR_materials_ior";
+    float ior = number(r, e, "ior", 1.5f, 0.0, 1e3);
+    if (ior > 0.0f && ior < 1.0f) ior = check(r, "ior", (double)ior, 1.0, 1e3);
     if (ior == 0.0f) rnd_material_set_f0(to, glms_vec3_one()); /* KHR_materials_ior: reflects all */
     if (ior >= 1.0f) to->ior = ior;
 
+    r->part = ".extensions.KHR_materials_specular";
     if ((e = rnd_gltf_extension(json, "KHR_materials_specular"))) {
         to->specular = number(r, e, "specularFactor", 1.0f, 0.0, 1.0);
         numbers(r, e, "specularColorFactor", 3, 0.0, FLT_MAX, to->specular_colour.raw);
         read_map(r, e, "specularTexture", RND_MAP_SPECULAR, false);
         read_map(r, e, "specularColorTexture", RND_MAP_SPECULAR_COLOUR, true);
     }
+    r->part = ".extensions.KHR_materials_transmission";
     if ((e = rnd_gltf_extension(json, "KHR_materials_transmission"))) {
         to->transmission = number(r, e, "transmissionFactor", 0.0f, 0.0, 1.0);
         if (to->transmission > 0.0f) read_map(r, e, "transmissionTexture", RND_MAP_TRANSMISSION, false);
     }
+    r->part = ".extensions.KHR_materials_volume";
     if ((e = rnd_gltf_extension(json, "KHR_materials_volume"))) read_volume(r, e);
+    r->part = ".extensions.KHR_materials_clearcoat";
     if ((e = rnd_gltf_extension(json, "KHR_materials_clearcoat"))) {
         to->clearcoat = number(r, e, "clearcoatFactor", 0.0f, 0.0, 1.0);
         to->clearcoat_roughness = number(r, e, "clearcoatRoughnessFactor", 0.0f, 0.0, 1.0);
@@ -246,6 +259,7 @@ static void read_extensions(struct reader *r, const json_t *json)
             read_map(r, e, "clearcoatNormalTexture", RND_MAP_CLEARCOAT_NORMAL, false);
         }
     }
+    r->part = ".extensions.KHR_materials_sheen";
     if ((e = rnd_gltf_extension(json, "KHR_materials_sheen"))) {
         numbers(r, e, "sheenColorFactor", 3, 0.0, 1.0, to->sheen_colour.raw);
         to->sheen_roughness = number(r, e, "sheenRoughnessFactor", 0.0f, 0.0, 1.0);
@@ -259,19 +273,22 @@ static void read_extensions(struct reader *r, const json_t *json)
         if (rnd_gltf_extension(json, missing[i].extension)) rnd_scene_unsupported(r->scene, missing[i].name);
 }
 
-static bool read_material(struct rnd_gltf *gltf, struct rnd_scene *scene, int index, struct rnd_material *to)
+static bool read_material(struct rnd_gltf *gltf, size_t index, struct rnd_material *to)
 {
-    const json_t *json = json_array_get(json_object_get(gltf->root, "materials"), (size_t)index);
-    struct reader r = {.gltf = gltf, .scene = scene, .index = index, .json = json, .to = to, .ok = true};
+    const json_t *json = json_array_get(json_object_get(gltf->root, "materials"), index);
+    struct reader r = {
+        .gltf = gltf, .scene = gltf->in->scene, .index = index, .json = json, .part = "", .to = to};
     const json_t *pbr = json_object_get(json, "pbrMetallicRoughness"),
                  *gloss = rnd_gltf_extension(json, "KHR_materials_pbrSpecularGlossiness"),
                  *strength = rnd_gltf_extension(json, "KHR_materials_emissive_strength"),
                  *normal = json_object_get(json, "normalTexture");
     const char *alpha = json_string_value(json_object_get(json, "alphaMode"));
     if (gloss) {
+        r.part = ".extensions.KHR_materials_pbrSpecularGlossiness";
         read_specular_glossiness(&r, gloss);
     } else {
         float base[4] = {1, 1, 1, 1};
+        r.part = ".pbrMetallicRoughness";
         numbers(&r, pbr, "baseColorFactor", 4, 0.0, 1.0, base);
         to->base = rnd_vec(base);
         to->alpha = base[3];
@@ -281,6 +298,7 @@ static bool read_material(struct rnd_gltf *gltf, struct rnd_scene *scene, int in
         read_map(&r, pbr, "metallicRoughnessTexture", RND_MAP_METAL_ROUGH, false);
         read_extensions(&r, json);
     }
+    r.part = "";
     to->normal_scale = number(&r, normal, "scale", 1.0f, -1e3, 1e3);
     read_map(&r, json, "normalTexture", RND_MAP_NORMAL, false);
 
@@ -288,7 +306,8 @@ static bool read_material(struct rnd_gltf *gltf, struct rnd_scene *scene, int in
     numbers(&r, json, "emissiveFactor", 3, 0.0, FLT_MAX, to->emission.raw);
     to->emission =
         glms_vec3_scale(to->emission, number(&r, strength, "emissiveStrength", 1.0f, 0.0, FLT_MAX));
-    if (!isfinite(rnd_luminance(to->emission.raw))) fail(&r, "its emission is not finite");
+    if (!isfinite(rnd_luminance(to->emission.raw)))
+        return rnd_import_fail(gltf->in, "materials[%zu]: its emission is not finite", index);
     if (glms_vec3_max(to->emission) > 0.0f) read_map(&r, json, "emissiveTexture", RND_MAP_EMISSION, true);
 
     if (alpha && strcmp(alpha, "MASK") == 0) to->alpha_mode = RND_MASK;
@@ -297,24 +316,18 @@ static bool read_material(struct rnd_gltf *gltf, struct rnd_scene *scene, int in
     to->double_sided = json_is_true(json_object_get(json, "doubleSided"));
     to->one_sided = !to->double_sided && !(to->transmission > 0.0f); /* glass is seen through to its back */
     rnd_material_set_kind(to);
-    return r.ok;
+    return true;
 }
 
-/* Which of the file's materials assimp's is, by its name, or -1: the default for what names none. */
-static int index_of(const struct aiMaterial *material)
+bool rnd_gltf_materials(struct rnd_gltf *gltf)
 {
-    struct aiString name;
-    if (aiGetMaterialString(material, AI_MATKEY_NAME, &name) != aiReturn_SUCCESS) return -1;
-    if (name.length == 0 || name.length > 9 || strspn(name.data, "0123456789") != name.length) return -1;
-    return atoi(name.data);
-}
-
-bool rnd_gltf_materials(struct rnd_gltf *gltf, struct rnd_scene *scene, const struct aiScene *file)
-{
-    for (uint32_t i = 0; i < scene->material_count; i++) {
-        const int index = index_of(file->mMaterials[i]);
-        rnd_material_init(&scene->material[i]);
-        if (index >= 0 && !read_material(gltf, scene, index, &scene->material[i])) return false;
-    }
+    struct rnd_scene *scene = gltf->in->scene;
+    const size_t count = rnd_gltf_length(gltf, "materials");
+    scene->material = calloc(count + 1, sizeof *scene->material);
+    if (!scene->material) return rnd_import_fail(gltf->in, "not enough memory");
+    scene->material_count = (uint32_t)count + 1;
+    for (size_t i = 0; i <= count; i++) rnd_material_init(&scene->material[i]);
+    for (size_t i = 0; i < count; i++)
+        if (!read_material(gltf, i, &scene->material[i])) return false;
     return true;
 }

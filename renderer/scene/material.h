@@ -15,9 +15,9 @@ void rnd_material_set_f0(struct rnd_material *material, vec3s f0);
 /* material.c: the cheapest kind that is right for it. */
 void rnd_material_set_kind(struct rnd_material *material);
 
-/* gltf_material.c: all of the scene's materials, in the order of a file that rnd_gltf_import() has read. False
- * and a line in gltf->error for a value out of its range or an image that cannot be read. */
-bool rnd_gltf_materials(struct rnd_gltf *gltf, struct rnd_scene *scene, const struct aiScene *file);
+/* gltf_material.c: all of the file's materials, in its order, and after them glTF's default. Values out of
+ * their range are clamped, with a warning. False and a line in the import's error. */
+bool rnd_gltf_materials(struct rnd_gltf *gltf);
 
 /* mtl_material.c: one material of OBJ and the like. directory, "" or with a slash at its end, is where its
  * images are looked for. */

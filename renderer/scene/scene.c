@@ -46,6 +46,16 @@ void rnd_warn(struct rnd_warnings *warnings, const char *format, ...)
     warnings->lines++;
 }
 
+void rnd_scene_unsupported(struct rnd_scene *scene, const char *name)
+{
+    const size_t used = strlen(scene->unsupported);
+    if (strstr(scene->unsupported, name)) return;
+    if (used + strlen(name) + 3 > sizeof scene->unsupported) return;
+    snprintf(scene->unsupported + used, sizeof scene->unsupported - used, "%s%s", used ? ", " : "", name);
+    for (char *c = scene->unsupported + used; *c; c++)
+        if ((unsigned char)*c < ' ' || *c == 0x7f) *c = ' '; /* names of the file may hold anything */
+}
+
 /* What can be done at the same time: reading textures is one thread's, all that needs triangles alone
  * another's. */
 struct building {
@@ -206,6 +216,17 @@ fail:
     return NULL;
 }
 
+void rnd_mesh_finish(struct rnd_mesh *mesh)
+{
+    free(mesh->position);
+    free(mesh->normal);
+    free(mesh->uv[0]);
+    free(mesh->uv[1]);
+    free(mesh->colour);
+    free(mesh->tangent);
+    free(mesh->index);
+}
+
 void rnd_scene_destroy(struct rnd_scene *scene)
 {
     if (!scene) return;
@@ -216,14 +237,7 @@ void rnd_scene_destroy(struct rnd_scene *scene)
     if (scene->tree) rtcReleaseScene(scene->tree);
     if (scene->device) rtcReleaseDevice(scene->device);
     rnd_lights_finish(&scene->lights);
-    for (uint32_t i = 0; i < scene->mesh_count; i++) {
-        free(scene->mesh[i].position);
-        free(scene->mesh[i].normal);
-        free(scene->mesh[i].uv[0]);
-        free(scene->mesh[i].uv[1]);
-        free(scene->mesh[i].colour);
-        free(scene->mesh[i].index);
-    }
+    for (uint32_t i = 0; i < scene->mesh_count; i++) rnd_mesh_finish(&scene->mesh[i]);
     free(scene->mesh);
     free(scene->instance);
     free(scene->alpha);

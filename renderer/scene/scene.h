@@ -87,6 +87,8 @@ struct rnd_mesh {
     float *normal;   /* 3 a vertex, or NULL: flat */
     float *uv[2];    /* 2 a vertex, or NULL: TEXCOORD_0 and _1 */
     float *colour;   /* linear RGBA, 4 a vertex, or NULL: COLOR_0, which multiplies base and alpha */
+    float *tangent;  /* 4 a vertex: unit vector along u, and on which side of it v is (glTF 2.0
+                        section 3.7.2.1),  or NULL: they follow from texture coordinates */
     uint32_t (*index)[3];
     uint64_t first_record; /* of its triangles among the scene's records */
     uint32_t material;
@@ -143,10 +145,13 @@ struct rnd_scene {
     atomic_bool cancelled; /* nobody wants the textures any more */
 };
 
-/* import.c: geometry, materials, textures and punctual lights of a file. */
+/* scene.c: free its arrays. */
+void rnd_mesh_finish(struct rnd_mesh *mesh);
+
+/* load.c: geometry, materials, textures and punctual lights of a file. */
 bool rnd_import(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE]);
 
-/* Add a name to the list of what is asked for and not done, once. */
+/* scene.c: add a name to the list of what is asked for and not done, once. */
 void rnd_scene_unsupported(struct rnd_scene *scene, const char *name);
 
 /* scene.c: add a line, without its end. */

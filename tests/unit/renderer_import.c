@@ -180,7 +180,7 @@ static void not_finite(void **state)
                    "{\"emissiveFactor\":[1,1,1],\"extensions\":{\"KHR_materials_emissive_strength\":{"
                    "\"emissiveStrength\":1e39}}}",
                    ",\"extensionsUsed\":[\"KHR_materials_emissive_strength\"]"),
-        "material");
+        "bright");
     assert_refused(
         files_gltf("power.gltf", 1000, node,
                    "{\"emissiveFactor\":[1,1,1],\"extensions\":{\"KHR_materials_emissive_strength\":{"

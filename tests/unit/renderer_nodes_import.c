@@ -77,7 +77,7 @@ static void first_frame(void **state)
                        parts, 7);
     const struct rnd_scene_options options = {.path = path, .env_path = files_path("env.exr")};
     assert_null(rnd_scene_load(&options, error));
-    assert_non_null(strstr(error, "short.gltf: an accessor"));
+    assert_non_null(strstr(error, "short.gltf: animations[0].samplers[0].output: expected"));
 }
 
 /* What a ray straight down at (x, z) hits: mesh, instance, place and side in the world. */
@@ -270,8 +270,9 @@ static void shared_light(void **state)
         "{\"type\":\"spot\",\"intensity\":2,\"color\":[1,0.5,0.25],\"spot\":{\"outerConeAngle\":1.5}}", "",
         "{\"type\":\"lamp\"}", "{\"type\":\"point\",\"intensity\":-1}",
         "{\"type\":\"point\",\"color\":[1,1e99,1]}"};
-    static const char *const wrong[] = {NULL, "light that is not there", "expected point, spot",
-                                        "none negative", "none negative"};
+    static const char *const wrong[] = {
+        NULL, "nodes[1].extensions.KHR_lights_punctual.light: expected the index of one of 0",
+        "expected point, spot", "none negative", "none negative"};
     for (size_t i = 0; i < sizeof lights / sizeof *lights; i++) {
         char more[400], error[RND_ERROR_SIZE] = "";
         snprintf(more, sizeof more,

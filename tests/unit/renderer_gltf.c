@@ -1,0 +1,454 @@
+/* What artists bring as glTF: every way to write the same numbers means the same, and what is out of order is
+ * named with its place in the file. */
+#include "renderer_parts.h"
+
+#include <sys/stat.h>
+
+static const char node[] = "{\"mesh\":0}", shining[] = "{\"emissiveFactor\":[1,1,1]}";
+
+#define VEC3(n)               "\"componentType\":5126,\"count\":" #n ",\"type\":\"VEC3\""
+#define SCALARS(component, n) "\"componentType\":" #component ",\"count\":" #n ",\"type\":\"SCALAR\""
+
+/* Loads, without a word. */
+static struct rnd_scene *load_quietly(const char *path)
+{
+    struct rnd_scene *scene = files_load(path, files_env("env.exr", 1), NULL, NULL);
+    assert_string_equal(rnd_scene_info(scene)->warnings, "");
+    assert_string_equal(rnd_scene_info(scene)->unsupported, "");
+    return scene;
+}
+
+/* Loads, and warns with these words. */
+static struct rnd_scene *load_warned(const char *path, const char *words)
+{
+    struct rnd_scene *scene = files_load(path, files_env("env.exr", 1), NULL, NULL);
+    if (!strstr(rnd_scene_info(scene)->warnings, words))
+        fail_msg("\"%s\": expected %s", rnd_scene_info(scene)->warnings, words);
+    return scene;
+}
+
+static void assert_refused(const char *path, const char *words)
+{
+    const struct rnd_scene_options options = {.path = path, .env_path = files_env("env.exr", 1)};
+    char error[RND_ERROR_SIZE] = "";
+    struct rnd_scene *scene = rnd_scene_load(&options, error);
+    if (scene || !strstr(error, words) || strchr(error, '\n'))
+        fail_msg("\"%s\": expected %s", scene ? "loaded" : error, words);
+    assert_non_null(strstr(error, strrchr(path, '/') + 1));
+}
+
+/* --- accessors --- */
+
+/* Texture coordinates (0, 1/2), (1/2, 1) ... of all components, packed and at a stride of 8. */
+static void components(void **state)
+{
+    (void)state;
+    static const float floats[8] = {0, 1, 0, 1, 1, 0, 1, 0};
+    static const uint8_t bytes[8] = {0, 255, 0, 255, 255, 0, 255, 0}, plain[8] = {0, 1, 0, 1, 1, 0, 1, 0};
+    static const int8_t signed_bytes[8] = {0, 127, 0, 127, 127, 0, 127, -0};
+    static const uint16_t words[8] = {0, 65535, 0, 65535, 65535, 0, 65535, 0};
+    static const int16_t signed_words[8] = {0, 32767, 0, 32767, 32767, 0, 32767, 0};
+    static const uint16_t strided[16] = {0, 65535, 7, 7, 0, 65535, 7, 7, 65535, 0, 7, 7, 65535, 0, 7, 7};
+#define UVS(component) "\"componentType\":" #component ",\"count\":4,\"type\":\"VEC2\",\"normalized\":true"
+    const struct files_part uvs[] = {
+        {floats, sizeof floats, UVS(5126)},
+        {bytes, sizeof bytes, UVS(5121)},
+        {signed_bytes, sizeof signed_bytes, UVS(5120)},
+        {words, sizeof words, UVS(5123)},
+        {signed_words, sizeof signed_words, UVS(5122)},
+        {plain, sizeof plain, "\"componentType\":5121,\"count\":4,\"type\":\"VEC2\""},
+        {strided, sizeof strided, UVS(5123)},
+    };
+    for (size_t i = 0; i < sizeof uvs / sizeof *uvs; i++) {
+        const struct files_part parts[] = {{files_corners, sizeof files_corners, VEC3(4)},
+                                           uvs[i],
+                                           {files_two, sizeof files_two, SCALARS(5123, 6)}};
+        char *path = (char *)(uintptr_t)files_parts("uv.gltf", files_primitive, node, "{}", "", parts, 3);
+        if (i == 6) {
+            static char text[100000];
+            FILE *file = fopen(path, "rb");
+            const size_t n = fread(text, 1, sizeof text - 1, file);
+            fclose(file);
+            text[n] = 0;
+            char *view = strstr(text, "{\"buffer\":1,");
+            assert_non_null(view);
+            memmove(view + 27, view + 12, strlen(view + 12) + 1);
+            memcpy(view, "{\"byteStride\":8,\"buffer\":1,", 27);
+            path = (char *)(uintptr_t)files_text("uv.gltf", text);
+        }
+        struct rnd_scene *scene = load_quietly(path);
+        for (int k = 0; k < 8; k++) NEAR(scene->mesh[0].uv[0][k], floats[k]);
+        rnd_scene_destroy(scene);
+    }
+}
+
+/* Positions as integers (KHR_mesh_quantization), and indices of all widths. */
+static void quantized(void **state)
+{
+    (void)state;
+    static const int16_t corners[16] = {-1, 0, -1, 9, -1, 0, 1, 9, 1, 0, 1, 9, 1, 0, -1, 9};
+    static const int8_t halves[12] = {-127, 0, -127, -127, 0, 127, 127, 0, 127, 127, 0, -127};
+    static const uint8_t two8[6] = {0, 1, 2, 0, 2, 3};
+    static const uint32_t two32[6] = {0, 1, 2, 0, 2, 3};
+    const struct files_part positions[3] = {
+        {files_corners, sizeof files_corners, VEC3(4)},
+        {corners, sizeof corners, "\"componentType\":5122,\"count\":4,\"type\":\"VEC4\""},
+        {halves, sizeof halves, "\"componentType\":5120,\"count\":4,\"type\":\"VEC3\",\"normalized\":true"}};
+    const struct files_part indices[3] = {{files_two, sizeof files_two, SCALARS(5123, 6)},
+                                          {two8, sizeof two8, SCALARS(5121, 6)},
+                                          {two32, sizeof two32, SCALARS(5125, 6)}};
+    for (int i = 0; i < 3; i++) {
+        const struct files_part parts[] = {
+            positions[i],
+            {files_uvs, sizeof files_uvs, "\"componentType\":5126,\"count\":4,\"type\":\"VEC2\""},
+            indices[i]};
+        const char *path =
+            files_parts("q.gltf", files_primitive, node, "{}",
+                        ",\"extensionsUsed\":[\"KHR_mesh_quantization\"],\"extensionsRequired\":["
+                        "\"KHR_mesh_quantization\"]",
+                        parts, 3);
+        if (i == 1) { /* four numbers are no position */
+            assert_refused(path, "meshes[0].primitives[0].attributes.POSITION: expected an accessor of VEC3");
+            continue;
+        }
+        struct rnd_scene *scene = load_quietly(path);
+        assert_int_equal(scene->mesh[0].triangles, 2);
+        for (int k = 0; k < 12; k++) NEAR(scene->mesh[0].position[k], files_corners[k]);
+        assert_int_equal(scene->mesh[0].index[1][2], 3);
+        rnd_scene_destroy(scene);
+    }
+}
+
+/* Elements that are elsewhere, of an accessor with bytes and of one without; and of an animation. */
+static void sparse(void **state)
+{
+    (void)state;
+    static const uint8_t which[2] = {1, 3};
+    static const float values[6] = {-5, 1, 5, 5, 1, -5}, times[1] = {0}, moves[3] = {9, 9, 9},
+                       moved[3] = {0, 7, 0};
+    static const uint16_t first[1] = {0};
+#define SPARSE(count, component, indices, values)                                                            \
+    ",\"sparse\":{\"count\":" #count ",\"indices\":{\"bufferView\":" #indices                                \
+    ",\"componentType\":" #component "},\"values\":{\"bufferView\":" #values "}}"
+    struct files_part parts[] = {
+        {files_corners, sizeof files_corners, VEC3(4) SPARSE(2, 5121, 3, 4)},
+        {files_uvs, sizeof files_uvs, "\"componentType\":5126,\"count\":4,\"type\":\"VEC2\""},
+        {files_two, sizeof files_two, SCALARS(5123, 6)},
+        {which, sizeof which, SCALARS(5121, 2)},
+        {values, sizeof values, VEC3(2)},
+        {times, sizeof times, SCALARS(5126, 1)},
+        {moves, sizeof moves, VEC3(1) SPARSE(1, 5123, 7, 8)},
+        {first, sizeof first, SCALARS(5123, 1)},
+        {moved, sizeof moved, VEC3(1)}};
+    static const char animation[] =
+        ",\"animations\":[{\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"translation\"}}],"
+        "\"samplers\":[{\"input\":5,\"output\":6}]}]";
+    struct rnd_scene *scene =
+        files_load(files_parts("sparse.gltf", files_primitive, node, "{}", animation, parts, 9),
+                   files_env("env.exr", 1), NULL, NULL);
+    const float *p = scene->mesh[0].position;
+    NEAR(p[0], -1), NEAR(p[1], 7), NEAR(p[3], -5), NEAR(p[4], 8), NEAR(p[5], 5), NEAR(p[6], 1), NEAR(p[9], 5);
+    rnd_scene_destroy(scene);
+
+    /* sparse over nothing: the accessors after the first have views of one less */
+    static const float all[12] = {-1, 0, -1, -1, 0, 1, 1, 0, 1, 1, 0, -1};
+    static const uint8_t each[4] = {0, 1, 2, 3};
+    const struct files_part over[] = {
+        {files_two, sizeof files_two, SCALARS(5123, 6)},
+        {each, sizeof each, SCALARS(5121, 4) "},{" VEC3(4) SPARSE(4, 5121, 1, 2)},
+        {all, sizeof all, VEC3(4)}};
+    scene = load_quietly(files_parts("over.gltf",
+                                     "{\"attributes\":{\"POSITION\":2},\"indices\":0,\"material\":0}", node,
+                                     "{}", "", over, 3));
+    for (int k = 0; k < 12; k++) NEAR(scene->mesh[0].position[k], all[k]);
+    rnd_scene_destroy(scene);
+
+    parts[3].bytes = (const uint8_t[2]){3, 1};
+    assert_refused(files_parts("falls.gltf", files_primitive, node, "{}", "", parts, 9),
+                   "accessors[0].sparse.indices: number 1 is 1: expected rising");
+    parts[3].bytes = (const uint8_t[2]){1, 4};
+    assert_refused(files_parts("beyond.gltf", files_primitive, node, "{}", "", parts, 9),
+                   "accessors[0].sparse.indices: number 1 is 4: expected rising ones below 4");
+}
+
+/* What accessors and views say that is not there. */
+static void wrong_accessors(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *accessor, *words;
+    } cases[] = {
+        {"\"componentType\":5126,\"count\":5,\"type\":\"VEC3\"", "accessors[0].count: 5 of 12 bytes"},
+        {"\"componentType\":5126,\"count\":-1,\"type\":\"VEC3\"",
+         "accessors[0].count: expected a whole number"},
+        {"\"componentType\":5126,\"count\":1e30,\"type\":\"VEC3\"",
+         "accessors[0].count: expected a whole number"},
+        {"\"componentType\":5126,\"count\":\"4\",\"type\":\"VEC3\"",
+         "accessors[0].count: expected a whole number"},
+        {"\"componentType\":5126,\"type\":\"VEC3\"", "accessors[0].count: expected a whole number"},
+        {"\"componentType\":5124,\"count\":4,\"type\":\"VEC3\"", "accessors[0].componentType: expected"},
+        {"\"componentType\":5126,\"count\":4,\"type\":\"MAT4\"", "accessors[0].type: expected"},
+        {"\"componentType\":5126,\"count\":4", "accessors[0].type: expected"},
+        {"\"componentType\":5126,\"count\":4,\"type\":\"VEC2\"",
+         "attributes.POSITION: expected an accessor of VEC3"},
+        {"\"componentType\":5126,\"count\":4,\"type\":\"VEC3\",\"byteOffset\":4",
+         "accessors[0].count: 4 of 12 bytes"},
+        {"\"componentType\":5126,\"count\":4,\"type\":\"VEC3\",\"bufferView\":9",
+         "accessors[0].bufferView: expected the index"},
+        {"\"componentType\":5126,\"count\":2,\"type\":\"VEC3\"",
+         "indices: number 2 is vertex 2: expected one below 2"},
+        {"\"componentType\":5126,\"count\":0,\"type\":\"VEC3\"", "holds no triangle"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const struct files_part parts[] = {
+            {files_corners, sizeof files_corners, cases[i].accessor},
+            {files_uvs, sizeof files_uvs, "\"componentType\":5126,\"count\":4,\"type\":\"VEC2\""},
+            {files_two, sizeof files_two, SCALARS(5123, 6)}};
+        assert_refused(files_parts("wrong.gltf", files_primitive, node, "{}", "", parts, 3), cases[i].words);
+    }
+}
+
+/* --- primitives --- */
+
+/* A square as a list, strip and fan, with indices and without; points and lines beside it are left out. */
+static void modes(void **state)
+{
+    (void)state;
+    static const float strip[12] = {-1, 0, -1, -1, 0, 1, 1, 0, -1, 1, 0, 1};
+    static const uint16_t turned[8] = {0, 1, 2, 3, 3, 3, 3, 3};
+    const struct files_part parts[] = {{strip, sizeof strip, VEC3(4)},
+                                       {files_corners, sizeof files_corners, VEC3(4)},
+                                       {files_two, sizeof files_two, SCALARS(5123, 6)},
+                                       {turned, sizeof turned, SCALARS(5123, 8)}};
+    static const char *const primitives[] = {
+        "{\"attributes\":{\"POSITION\":0},\"mode\":5}", "{\"attributes\":{\"POSITION\":1},\"mode\":6}",
+        "{\"attributes\":{\"POSITION\":0},\"indices\":3,\"mode\":5}",
+        "{\"attributes\":{\"POSITION\":1},\"indices\":2,\"mode\":4}",
+        "{\"attributes\":{\"POSITION\":1},\"mode\":0},{\"attributes\":{\"POSITION\":1},\"indices\":2},"
+        "{\"attributes\":{\"POSITION\":1},\"mode\":3},{\"attributes\":{}}"};
+    for (int i = 0; i < 5; i++) {
+        struct rnd_scene *scene =
+            files_load(files_parts("modes.gltf", primitives[i], node, "{}", "", parts, 4),
+                       files_env("env.exr", 1), NULL, NULL);
+        assert_int_equal(scene->mesh_count, 1);
+        assert_int_equal(scene->mesh[0].triangles, 2);
+        for (int t = 0; t < 2; t++) { /* both face up */
+            const uint32_t *index = scene->mesh[0].index[t];
+            const vec3s a = rnd_vertex(scene->mesh, index[0]);
+            const vec3s n = glms_vec3_cross(glms_vec3_sub(rnd_vertex(scene->mesh, index[1]), a),
+                                            glms_vec3_sub(rnd_vertex(scene->mesh, index[2]), a));
+            NEAR(n.y, 4);
+        }
+        assert_string_equal(rnd_scene_info(scene)->unsupported,
+                            i < 4 ? "" : "points and lines, primitives without positions");
+        rnd_scene_destroy(scene);
+    }
+    assert_refused(
+        files_parts("mode.gltf", "{\"attributes\":{\"POSITION\":1},\"mode\":7}", node, "{}", "", parts, 4),
+        "meshes[0].primitives[0].mode: expected a whole number from 0 to 6");
+    assert_refused(
+        files_parts("lines.gltf", "{\"attributes\":{\"POSITION\":1},\"mode\":1}", node, "{}", "", parts, 4),
+        "holds no triangle");
+}
+
+/* Primitives that share one large array of vertices have those that they name, in a row or scattered. */
+static void shared_vertices(void **state)
+{
+    (void)state;
+    enum { MANY = 3000 };
+    static float corners[3 * MANY];
+    static const uint16_t row[3] = {1000, 1001, 1002}, scattered[6] = {0, 1500, 2999, 2999, 1500, 7};
+    for (int i = 0; i < MANY; i++) corners[3 * i] = (float)i, corners[3 * i + 1] = (float)(i * i % 100);
+    const struct files_part parts[] = {{corners, sizeof corners, VEC3(3000)},
+                                       {row, sizeof row, SCALARS(5123, 3)},
+                                       {scattered, sizeof scattered, SCALARS(5123, 6)}};
+    struct rnd_scene *scene = load_quietly(files_parts(
+        "shared.gltf",
+        "{\"attributes\":{\"POSITION\":0},\"indices\":1},{\"attributes\":{\"POSITION\":0},\"indices\":2}",
+        node, "{}", "", parts, 3));
+    assert_int_equal(scene->mesh[0].vertices, 3);
+    assert_int_equal(scene->mesh[1].vertices, 4);
+    for (int k = 0; k < 3; k++) NEAR(rnd_vertex(&scene->mesh[0], scene->mesh[0].index[0][k]).x, row[k]);
+    for (int k = 0; k < 6; k++)
+        NEAR(rnd_vertex(&scene->mesh[1], scene->mesh[1].index[k / 3][k % 3]).x, scattered[k]);
+    rnd_scene_destroy(scene);
+}
+
+/* --- nodes --- */
+
+static struct rnd_scene *with_nodes(const char *roots, const char *nodes, const char *warned)
+{
+    static char text[8000];
+    const struct files_part parts[] = {FILES_SQUARE};
+    const char *path = files_parts("n.gltf", files_primitive, nodes, "{}", "", parts, 3);
+    FILE *file = fopen(path, "rb");
+    const size_t n = fread(text, 1, sizeof text - 100, file);
+    fclose(file);
+    text[n] = 0;
+    char *old = strstr(text, "\"scenes\":[{\"nodes\":[0]}]"), *rest = old + 24;
+    assert_non_null(old);
+    memmove(old + strlen(roots), rest, strlen(rest) + 1);
+    memcpy(old, roots, strlen(roots));
+    path = files_text("n.gltf", text);
+    return warned ? load_warned(path, warned) : load_quietly(path);
+}
+
+static void roots(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *roots, *nodes, *warned;
+        int meshes;
+        float x; /* of the first mesh's first corner */
+    } cases[] = {
+        /* UniGLTF: the parent is not shown */
+        {"\"scenes\":[{\"nodes\":[1]}]", "{\"translation\":[5,0,0],\"children\":[1]},{\"mesh\":0}",
+         "scenes[0].nodes: 1 of them is a child of another node", 1, -1},
+        /* both are: once, in its tree */
+        {"\"scenes\":[{\"nodes\":[1,0]}]", "{\"translation\":[5,0,0],\"children\":[1]},{\"mesh\":0}",
+         "scenes[0].nodes: 1 of them is a child", 1, 4},
+        {"\"scenes\":[{\"nodes\":[1,0,2]}]", "{\"children\":[1]},{\"mesh\":0,\"children\":[2]},{\"mesh\":0}",
+         "2 of them are children", 2, -1},
+        {"\"scenes\":[{\"nodes\":[0,0]}]", "{\"mesh\":0}", NULL, 1, -1},
+        /* the scene that is asked for, and none */
+        {"\"scenes\":[{\"nodes\":[1]},{\"nodes\":[0]}]", "{\"mesh\":0},{\"mesh\":0,\"translation\":[3,0,0]}",
+         NULL, 1, 2},
+        {"\"scenes\":[]", "{\"children\":[1]},{\"mesh\":0,\"translation\":[3,0,0]}", NULL, 1, 2},
+        /* what is hidden, with all below it */
+        {"\"scenes\":[{\"nodes\":[0,1]}]",
+         "{\"mesh\":0,\"children\":[2],\"extensions\":{\"KHR_node_visibility\":{\"visible\":false}}},"
+         "{\"mesh\":0,\"translation\":[3,0,0],\"extensions\":{\"KHR_node_visibility\":{\"visible\":true}}},{"
+         "\"mesh\":0}",
+         NULL, 1, 2},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char wanted[200];
+        snprintf(wanted, sizeof wanted, "%s", cases[i].roots);
+        struct rnd_scene *scene = with_nodes(wanted, cases[i].nodes, cases[i].warned);
+        assert_int_equal(scene->mesh_count, cases[i].meshes);
+        NEAR(scene->mesh[0].position[0], cases[i].x);
+        rnd_scene_destroy(scene);
+    }
+}
+
+/* --- files --- */
+
+/* A square whose buffer is in a file of that name. */
+static const char *with_buffer(const char *uri)
+{
+    static char text[4000];
+    char named[300];
+    snprintf(named, sizeof named, ",\"uri\":\"%s\"", uri);
+    files_gltf_text(text, sizeof text, 1, node, shining, "", named);
+    return files_text("named.gltf", text);
+}
+
+/* Buffers and images are found by one rule. */
+static void names(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *file, *uri; /* as JSON writes it */
+    } cases[] = {
+        {"plain.bin", "plain.bin"},
+        {"my scene.bin", "my%20scene.bin"},
+        {"my scene.bin", "my scene.bin"},
+        {"50%25.bin", "50%25.bin"},
+        {"folder/a.bin", "folder\\\\a.bin"},
+        {"folder/a.bin", "./folder/../folder/a.bin"},
+        {"Upper.BIN", "upper.bin"},
+        {"Folder2/Deep.bin", "folder2/deep.BIN"},
+        {"base.bin", "C:\\\\work\\\\base.bin"},
+        {"base.bin", "/nowhere/at/all/base.bin"},
+        {"base.bin", "file:///nowhere/base.bin"},
+        {"base.bin", "textures/gone/Base.bin"},
+        {"b\xc3\xa4r.bin", "b%C3%A4r.bin"},
+    };
+    const struct files_square square = files_square(1);
+    char error[RND_ERROR_SIZE];
+    mkdir(files_path("folder"), 0700);
+    mkdir(files_path("Folder2"), 0700);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        files_write(cases[i].file, &square, sizeof square);
+        struct rnd_scene *scene = load_quietly(with_buffer(cases[i].uri));
+        NEAR(scene->mesh[0].position[0], -1);
+        rnd_scene_destroy(scene);
+        remove(files_path(cases[i].file));
+    }
+    for (size_t i = 0; i < sizeof cases / sizeof *cases;
+         i++) { /* as images; their format shows in the bytes */
+        char file[64], more[400], uri[200];
+        snprintf(file, sizeof file, "%.*s.png", (int)strlen(cases[i].file) - 4, cases[i].file);
+        snprintf(uri, sizeof uri, "%.*s.png", (int)strlen(cases[i].uri) - 4, cases[i].uri);
+        if (!rnd_image_write(files_path(file), 2, 2, (float[12]){1, 1, 1, 0, 0, 0, 1, 1, 1, 0, 0, 0}, false,
+                             error))
+            fail_msg("%s", error);
+        snprintf(more, sizeof more, ",\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"%s\"}]", uri);
+        struct rnd_scene *scene = load_quietly(files_gltf(
+            "image.gltf", 1, node, "{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}", more));
+        assert_int_equal(scene->texture[scene->material[0].map[RND_MAP_BASE].texture].levels, 2);
+        rnd_scene_destroy(scene);
+        remove(files_path(file));
+    }
+    assert_refused(with_buffer("gone.bin"), "buffers[0].uri: ");
+    assert_refused(with_buffer("/etc/passwd"), "buffers[0].uri: ");
+    assert_refused(with_buffer("folder"), "buffers[0].uri: ");
+    assert_refused(with_buffer("data:,abc"), "buffers[0].uri: expected a data URI of base64");
+    assert_refused(with_buffer("data:;base64,AAAA"), "buffers[0].byteLength: 92, but its URI holds 3 bytes");
+    files_write("short.bin", &square, 91);
+    assert_refused(with_buffer("short.bin"), "short.bin holds 91 bytes");
+}
+
+static void versions(void **state)
+{
+    (void)state;
+    static char text[100000];
+    FILE *file = fopen(files_gltf("good.gltf", 1, node, shining, ""), "rb");
+    text[0] = '\xef', text[1] = '\xbb', text[2] = '\xbf';
+    const size_t n = 3 + fread(text + 3, 1, sizeof text - 3, file);
+    fclose(file);
+    rnd_scene_destroy(
+        load_warned(files_write("mark.gltf", text, n), "mark.gltf: begins with a byte order mark"));
+    assert_refused(files_text("one.gltf", "{\"asset\":{\"version\":\"1.0\"},\"nodes\":{}}"),
+                   "is glTF 1.0, expected 2.0");
+    assert_refused(files_text("early.gltf", "{\"nodes\":{\"a\":{}}}"), "is glTF 1.0 as it seems");
+    assert_refused(files_text("late.gltf", "{\"asset\":{\"version\":\"2.1\",\"minVersion\":\"2.1\"}}"),
+                   "asset.minVersion");
+    assert_refused(files_write("one.glb", "glTF\1\0\0\0\24\0\0\0\0\0\0\0\0\0\0\0", 20), "is glTF 1.0");
+
+    /* padded with zeros, an unknown chunk between, the ending of another format */
+    file = fopen(files_glb("whole.glb", 1, node, shining, ""), "rb");
+    const size_t all = fread(text, 1, sizeof text, file),
+                 json = (size_t)(uint8_t)text[12] | (size_t)(uint8_t)text[13] << 8;
+    fclose(file);
+    memmove(text + 20 + json + 16, text + 20 + json, all - 20 - json);
+    memset(text + 20 + json, 0, 4);
+    text[12] = (char)((json + 4) & 255), text[13] = (char)((json + 4) >> 8);
+    memcpy(text + 24 + json, "\4\0\0\0WHAT....", 12);
+    rnd_scene_destroy(load_quietly(files_write("odd.bin", text, all + 16)));
+}
+
+static void extensions(void **state)
+{
+    (void)state;
+    struct rnd_scene *scene = load_warned(files_gltf("new.gltf", 1, node, shining,
+                                                     ",\"extensionsUsed\":[\"XX_made_up\",\"KHR_texture_"
+                                                     "transform\"],\"extensionsRequired\":[\"XX_made_up\"]"),
+                                          "new.gltf: extensionsRequired[0]: XX_made_up is not known here");
+    assert_string_equal(rnd_scene_info(scene)->unsupported, "XX_made_up");
+    rnd_scene_destroy(scene);
+    assert_refused(
+        files_gltf("packed.gltf", 1, node, shining, ",\"extensionsRequired\":[\"EXT_meshopt_compression\"]"),
+        "extensionsRequired[0]: EXT_meshopt_compression cannot be read: export");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(components),      cmocka_unit_test(quantized), cmocka_unit_test(sparse),
+        cmocka_unit_test(wrong_accessors), cmocka_unit_test(modes),     cmocka_unit_test(shared_vertices),
+        cmocka_unit_test(roots),           cmocka_unit_test(names),     cmocka_unit_test(versions),
+        cmocka_unit_test(extensions),
+    };
+    return cmocka_run_group_tests_name("renderer_gltf", tests, files_setup, files_teardown);
+}
