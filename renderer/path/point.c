@@ -45,7 +45,7 @@ static struct rnd_texel look(const struct place *at, enum rnd_map_use use)
     float uv[2];
     if (map->texture < 0 || !at->mesh->uv[map->uv_set]) return (struct rnd_texel){1.0f, 1.0f, 1.0f, 1.0f};
     rnd_map_uv(map, at->mesh, at->index, at->u, at->v, uv);
-    return rnd_texture_bilinear(&at->scene->texture[map->texture], map->wrap, uv[0], uv[1]);
+    return rnd_texture_at(&at->scene->texture[map->texture], map->wrap, map->nearest, uv[0], uv[1]);
 }
 
 static vec3s map_rgb(const struct place *at, enum rnd_map_use use)
@@ -56,14 +56,23 @@ static vec3s map_rgb(const struct place *at, enum rnd_map_use use)
 
 /* --- normals --- */
 
-/* The outside normal n bent by a normal map. glTF's texture space has u to the right, v down the image, and
- * green up it, so that the bitangent runs against v. */
-static vec3s map_normal(const struct place *at, enum rnd_map_use use, float scale, vec3s n)
+/* The file's tangent at the point, and the bitangent's side of it. */
+static vec3s own_tangent(const struct place *at, float *out_side)
+{
+    const float *tangent = at->mesh->tangent;
+    vec3s along;
+    for (int c = 0; c < 3; c++) along.raw[c] = rnd_interpolate(tangent, 4, c, at->index, at->u, at->v);
+    *out_side = tangent[4 * (size_t)at->index[0] + 3] > 0.0f ? 1.0f : -1.0f;
+    if (!at->instance) return along;
+    if (at->instance->mirrors) *out_side = -*out_side;
+    return rnd_instance_direction(at->instance, along);
+}
+
+/* The directions along which a map's u and v grow over the triangle. */
+static void along_map(const struct place *at, const struct rnd_map *map, vec3s *out_u, vec3s *out_v)
 {
     static const float place[3][2] = {{0, 0}, {1, 0}, {0, 1}};
     float corner[3][2];
-    const struct rnd_map *map = &at->material->map[use];
-    if (map->texture < 0 || !at->mesh->uv[map->uv_set]) return n;
     for (int k = 0; k < 3; k++) rnd_map_uv(map, at->mesh, at->index, place[k][0], place[k][1], corner[k]);
     vec3s p[3];
     for (int k = 0; k < 3; k++) {
@@ -74,16 +83,29 @@ static vec3s map_normal(const struct place *at, enum rnd_map_use use, float scal
     const float u1 = corner[1][0] - corner[0][0], v1 = corner[1][1] - corner[0][1],
                 u2 = corner[2][0] - corner[0][0], v2 = corner[2][1] - corner[0][1];
     const float turn = u1 * v2 - u2 * v1 < 0.0f ? -1.0f : 1.0f;
-    const vec3s along_u =
-                    glms_vec3_scale(glms_vec3_sub(glms_vec3_scale(e1, v2), glms_vec3_scale(e2, v1)), turn),
-                along_v =
-                    glms_vec3_scale(glms_vec3_sub(glms_vec3_scale(e2, u1), glms_vec3_scale(e1, u2)), turn);
+    *out_u = glms_vec3_scale(glms_vec3_sub(glms_vec3_scale(e1, v2), glms_vec3_scale(e2, v1)), turn);
+    *out_v = glms_vec3_scale(glms_vec3_sub(glms_vec3_scale(e2, u1), glms_vec3_scale(e1, u2)), turn);
+}
+
+/* The outside normal n bent by a normal map. glTF's texture space has u to the right, v down the image, and
+ * green up it, so that the bitangent runs against v. */
+static vec3s map_normal(const struct place *at, enum rnd_map_use use, float scale, vec3s n)
+{
+    const struct rnd_map *map = &at->material->map[use];
+    vec3s along_u, along_v = glms_vec3_zero();
+    float side = 0.0f;
+    if (map->texture < 0 || !at->mesh->uv[map->uv_set]) return n;
+    if (at->mesh->tangent)
+        along_u = own_tangent(at, &side);
+    else
+        along_map(at, map, &along_u, &along_v);
     vec3s x = glms_vec3_sub(along_u, glms_vec3_scale(n, glms_vec3_dot(n, along_u)));
     const float length = glms_vec3_norm(x);
     if (!(length > 0.0f)) return n; /* texture coordinates that span nothing */
     x = glms_vec3_scale(x, 1.0f / length);
     vec3s y = glms_vec3_cross(n, x);
-    if (glms_vec3_dot(y, along_v) > 0.0f) y = glms_vec3_negate(y);
+    if (side == 0.0f) side = glms_vec3_dot(y, along_v) > 0.0f ? -1.0f : 1.0f;
+    y = glms_vec3_scale(y, side);
 
     const vec3s t = glms_vec3_subs(glms_vec3_scale(map_rgb(at, use), 2.0f), 1.0f);
     vec3s out = glms_vec3_scale(n, t.z);

@@ -247,8 +247,9 @@ static void ask(struct rnd_tracer *tracer, uint32_t looks)
     for (uint32_t k = 0; k < looks; k++) {
         const struct rnd_texture *texture = look[k].texture;
         const int l = (int)rnd_smaller(level[k], (float)(texture->levels - 1));
-        const size_t texel =
-            rnd_texture_pick(texture, look[k].map->wrap, tracer->look_x[k], tracer->look_y[k], l, r[k], t[k]);
+        const struct rnd_map *map = look[k].map;
+        const size_t texel = rnd_texture_pick(texture, map->wrap, tracer->look_x[k], tracer->look_y[k], l,
+                                              map->nearest ? 0.5f : r[k], map->nearest ? 0.5f : t[k]);
         look[k].texel = texel;
         __builtin_prefetch(texture->bytes ? (const void *)(texture->bytes + 4 * texel)
                                           : (const void *)(texture->floats + 4 * texel));
@@ -314,6 +315,17 @@ static void reflectances(struct rnd_tracer *tracer, uint32_t begin, uint32_t end
     for (uint32_t j = begin; j < end; j++) s->alpha[j] = rnd_alpha(s->alpha[j]);
 }
 
+/* A point's tangent in the mesh's coordinates: that of the triangle, or between those of its corners. */
+static struct rnd_v3 tangent_at(const struct rnd_surfaces *s, uint32_t j, const uint32_t code[3])
+{
+    const struct rnd_v3 a = rnd_octahedral_decode(code[0]);
+    if (code[0] == code[1] && code[0] == code[2]) return a;
+    const float u = s->u[j], v = s->v[j];
+    struct rnd_v3 sum = rnd_v3_scale(rnd_v3_normalize(a), 1.0f - u - v);
+    sum = rnd_v3_muladd(rnd_v3_normalize(rnd_octahedral_decode(code[1])), u, sum);
+    return rnd_v3_muladd(rnd_v3_normalize(rnd_octahedral_decode(code[2])), v, sum);
+}
+
 /* Bend the normals by normal maps (glTF 2.0 section 3.9.3). */
 static void bend_normals(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
 {
@@ -330,10 +342,10 @@ static void bend_normals(struct rnd_tracer *tracer, uint32_t begin, uint32_t end
         const uint32_t j = look[k].point;
         const struct rnd_texel t = rnd_texture_texel(look[k].texture, look[k].texel);
         const float scale = scene->material[s->material[j]].normal_scale, side = s->front[j] ? 1.0f : -1.0f;
-        const uint32_t code = scene->record[s->record[j]].tangent;
+        const uint32_t *code = scene->record[s->record[j]].tangent;
         const struct rnd_v3 n = rnd_get(&s->normal, j), outside = rnd_v3_scale(n, side);
-        struct rnd_v3 along = rnd_octahedral_decode(code);
-        float turn = code & 1u ? -1.0f : 1.0f;
+        struct rnd_v3 along = tangent_at(s, j, code);
+        float turn = code[0] & 1u ? -1.0f : 1.0f;
         if (s->instance[j] != RTC_INVALID_GEOMETRY_ID) {
             const struct rnd_instance *instance = &scene->instance[s->instance[j] - scene->mesh_count];
             along = instance_vector(instance, along);

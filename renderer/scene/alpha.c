@@ -37,7 +37,7 @@ static float coverage(const struct rnd_alpha *alpha, uint32_t triangle, float u,
 
     float place[2];
     rnd_map_uv(map, alpha->mesh, index, u, v, place);
-    const struct rnd_texel t = rnd_texture_bilinear(alpha->texture, map->wrap, place[0], place[1]);
+    const struct rnd_texel t = rnd_texture_at(alpha->texture, map->wrap, map->nearest, place[0], place[1]);
     return value * (alpha->texture->has_alpha ? t.a : t.r);
 }
 

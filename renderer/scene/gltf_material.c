@@ -85,8 +85,12 @@ static int add_image(struct reader *r, size_t index, const json_t *image, bool s
     uint8_t *own = NULL;
     size_t count = 0, stride;
     if (uri && strncmp(uri, "data:", 5) != 0) {
-        rnd_find_file(in->directory, uri, true, path); /* if it is not there, reading it says so */
-        return rnd_texture_add(r->scene, path, NULL, 0, use, in->error);
+        if (rnd_find_file(in->directory, uri, true, path))
+            return rnd_texture_add(r->scene, path, NULL, 0, use, in->error);
+        rnd_warn(&r->scene->warnings,
+                 "%s: images[%zu].uri: %s: is no plain file; what it is for goes by its factor alone",
+                 in->path, index, path);
+        return -1;
     }
     snprintf(where, sizeof where, "images[%zu].bufferView", index);
     const uint8_t *bytes =
@@ -158,6 +162,7 @@ static void read_map(struct reader *r, const json_t *object, const char *key, en
                                 : NULL;
     map->wrap[0] = wrap_of(sampler, "wrapS");
     map->wrap[1] = wrap_of(sampler, "wrapT");
+    map->nearest = json_integer_value(json_object_get(sampler, "magFilter")) == 9728;
     const json_t *transform = rnd_gltf_extension(info, "KHR_texture_transform");
     const json_t *set = json_object_get(transform, "texCoord");
     if (!json_is_integer(set)) set = json_object_get(info, "texCoord");

@@ -19,8 +19,7 @@ bool rnd_import_fail(struct rnd_import *in, const char *format, ...)
     va_start(arguments, format);
     vsnprintf(in->error + used, RND_ERROR_SIZE - (size_t)used, format, arguments);
     va_end(arguments);
-    for (char *c = in->error; *c; c++) /* names of the file may hold anything */
-        if ((unsigned char)*c < ' ' || *c == 0x7f) *c = ' ';
+    rnd_make_printable(in->error);
     for (size_t n = strlen(in->error); n > 0 && in->error[n - 1] == ' '; n--) in->error[n - 1] = 0;
     return false;
 }

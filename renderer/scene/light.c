@@ -33,7 +33,7 @@ static struct rnd_v3 emission_texture(const struct rnd_scene *scene, const struc
     float place[2];
     rnd_map_uv(map, mesh, mesh->index[area->triangle], u, v, place);
     const struct rnd_texel t =
-        rnd_texture_bilinear(&scene->texture[map->texture], map->wrap, place[0], place[1]);
+        rnd_texture_at(&scene->texture[map->texture], map->wrap, map->nearest, place[0], place[1]);
     return rnd_v3(t.r, t.g, t.b);
 }
 

@@ -34,7 +34,16 @@ static void make_uv(struct rnd_record *record, const float *uv, const uint32_t i
     /* (e1, e2) = (T, B) ((u1, u2), (v1, v2)), solved for T; only its direction counts. */
     const struct rnd_v3 along =
         rnd_v3_scale(rnd_v3_sub(rnd_v3_scale(e1, v2), rnd_v3_scale(e2, v1)), area > 0.0f ? 1.0f : -1.0f);
-    record->tangent = (rnd_octahedral(along) & ~1u) | (area < 0.0f);
+    for (int k = 0; k < 3; k++) record->tangent[k] = (rnd_octahedral(along) & ~1u) | (area < 0.0f);
+}
+
+/* The file's own, whose w is the side of the bitangent: up the picture, against v. */
+static void take_tangents(struct rnd_record *record, const float *tangent, const uint32_t index[3])
+{
+    for (int k = 0; k < 3; k++) {
+        const float *t = tangent + 4 * (size_t)index[k];
+        record->tangent[k] = (rnd_octahedral(rnd_v3(t[0], t[1], t[2])) & ~1u) | (t[3] > 0.0f);
+    }
 }
 
 static void make(const struct rnd_mesh *mesh, uint32_t triangle, struct rnd_record *record)
@@ -49,6 +58,7 @@ static void make(const struct rnd_mesh *mesh, uint32_t triangle, struct rnd_reco
         record->colour[k] = mesh->colour ? colour(mesh->colour + 4 * (size_t)index[k]) : UINT32_MAX;
     }
     if (mesh->uv[0]) make_uv(record, mesh->uv[0], index, e1, e2, normal);
+    if (mesh->tangent) take_tangents(record, mesh->tangent, index);
 }
 
 bool rnd_records_build(struct rnd_scene *scene)

@@ -11,12 +11,12 @@
 struct rnd_scene;
 
 struct rnd_record {
-    uint32_t normal[3]; /* of the corners, octahedral: 16 bits each of two coordinates */
-    float uv[3][2];     /* of the corners, first set; 0 if the mesh has none */
-    float lod;          /* log2 of texture coordinates a metre; what a texture's size makes texels a metre */
-    uint32_t tangent;   /* along u, octahedral; its lowest bit: v grows against cross(normal, tangent) */
-    uint32_t colour[3]; /* of the corners: square roots of linear r, g, b, 10 bits each */
-    uint32_t unused[2];
+    uint32_t normal[3];  /* of the corners, octahedral: 16 bits each of two coordinates */
+    float uv[3][2];      /* of the corners, first set; 0 if the mesh has none */
+    float lod;           /* log2 of texture coordinates a metre; what a texture's size makes texels a metre */
+    uint32_t tangent[3]; /* of the corners, along u, octahedral; the lowest bit of the first: v grows against
+                            cross(normal, tangent) */
+    uint32_t colour[3];  /* of the corners: square roots of linear r, g, b, 10 bits each */
 };
 
 _Static_assert(sizeof(struct rnd_record) == 64, "a record is a line of the cache");

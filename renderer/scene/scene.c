@@ -23,6 +23,16 @@ static double seconds(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
+void rnd_make_printable(char *text)
+{
+    for (unsigned char *c = (unsigned char *)text, before = 0; *c; before = *c++) {
+        const bool high = c[0] == 0xc2 && c[1] >= 0x80 && c[1] < 0xa0, /* C1 as UTF-8 */
+            alone = *c >= 0x80 && *c < 0xa0 && before < 0x80;          /* and as a byte */
+        if (high) c[1] = ' ';
+        if (high || alone || *c < ' ' || *c == 0x7f) *c = ' ';
+    }
+}
+
 void rnd_warn(struct rnd_warnings *warnings, const char *format, ...)
 {
     enum { MOST_LINES = 20 };
@@ -32,8 +42,7 @@ void rnd_warn(struct rnd_warnings *warnings, const char *format, ...)
     const int wanted = vsnprintf(line, sizeof line - 1, format, arguments);
     va_end(arguments);
     if (wanted < 0 || warnings->lines > MOST_LINES) return;
-    for (char *c = line; *c; c++) /* names of the file may hold anything */
-        if ((unsigned char)*c < ' ' || *c == 0x7f) *c = ' ';
+    rnd_make_printable(line);
     if (warnings->lines == MOST_LINES) strcpy(line, "and more of the kind");
     strcat(line, "\n");
     if (warnings->text && strstr(warnings->text, line)) return;
@@ -52,8 +61,7 @@ void rnd_scene_unsupported(struct rnd_scene *scene, const char *name)
     if (strstr(scene->unsupported, name)) return;
     if (used + strlen(name) + 3 > sizeof scene->unsupported) return;
     snprintf(scene->unsupported + used, sizeof scene->unsupported - used, "%s%s", used ? ", " : "", name);
-    for (char *c = scene->unsupported + used; *c; c++)
-        if ((unsigned char)*c < ' ' || *c == 0x7f) *c = ' '; /* names of the file may hold anything */
+    rnd_make_printable(scene->unsupported + used);
 }
 
 /* What can be done at the same time: reading textures is one thread's, all that needs triangles alone

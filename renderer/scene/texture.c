@@ -258,9 +258,10 @@ void rnd_textures_drop_unread(struct rnd_scene *scene, struct rnd_warnings *warn
 
 /* --- looking --- */
 
-struct rnd_texel rnd_texture_bilinear(const struct rnd_texture *texture, const uint8_t wrap[2], float u,
-                                      float v)
+struct rnd_texel rnd_texture_at(const struct rnd_texture *texture, const uint8_t wrap[2], bool nearest,
+                                float u, float v)
 {
+    if (nearest) return rnd_texture_texel(texture, rnd_texture_pick(texture, wrap, u, v, 0, 0.5f, 0.5f));
     struct rnd_texel sum = {0};
     const struct rnd_level *level = &texture->level[0];
     const float x = rnd_wrap(u, wrap[0]) * (float)level->width - 0.5f,

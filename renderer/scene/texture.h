@@ -78,8 +78,9 @@ RND_INLINE struct rnd_texel rnd_texture_texel(const struct rnd_texture *texture,
 }
 
 /* The texel that stands for (u, v) when its neighbours are chosen by two random numbers in [0, 1) with the
- * weights of bilinear interpolation: the mean over the numbers is the interpolated value, at a fourth of the
- * price (Pharr et al. 2024, "Filtering after shading with stochastic texture filtering"). */
+ * weights of bilinear interpolation (1/2 and 1/2: the nearest one): the mean over the numbers is the
+ * interpolated value, at a fourth of the price (Pharr et al. 2024, "Filtering after shading with stochastic
+ * texture filtering"). */
 RND_INLINE size_t rnd_texture_pick(const struct rnd_texture *texture, const uint8_t wrap[2], float u, float v,
                                    int level, float r, float s)
 {
@@ -89,8 +90,8 @@ RND_INLINE size_t rnd_texture_pick(const struct rnd_texture *texture, const uint
     return rnd_texel_index(l, wrap, (int)floorf(x), (int)floorf(y));
 }
 
-/* Bilinear in the finest level. */
-struct rnd_texel rnd_texture_bilinear(const struct rnd_texture *texture, const uint8_t wrap[2], float u,
-                                      float v);
+/* In the finest level: bilinear, or the nearest texel. */
+struct rnd_texel rnd_texture_at(const struct rnd_texture *texture, const uint8_t wrap[2], bool nearest,
+                                float u, float v);
 
 #endif

@@ -442,13 +442,129 @@ static void extensions(void **state)
         "extensionsRequired[0]: EXT_meshopt_compression cannot be read: export");
 }
 
+/* --- materials --- */
+
+/* Two texels, and a look at the plane between the middle of the dark one and their border: NEAREST shows the
+ * dark one alone, as emission, as colour of each kind of material, and as coverage. */
+static void nearest(void **state)
+{
+    (void)state;
+    static const char *const materials[] = {
+        "{\"emissiveFactor\":[1,1,1],\"emissiveTexture\":{\"index\":0},\"pbrMetallicRoughness\":{"
+        "\"baseColorFactor\":[0,0,0,1]}}",
+        "{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorTexture\":{\"index\":0}},\"extensions\":{"
+        "\"KHR_materials_unlit\":{}}}",
+        "{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorTexture\":{\"index\":0}},\"extensions\":{"
+        "\"KHR_materials_specular\":{\"specularFactor\":0}}}",
+        "{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorFactor\":[1,1,1,1],\"baseColorTexture\":{"
+        "\"index\":0}},"
+        "\"alphaMode\":\"BLEND\",\"extensions\":{\"KHR_materials_specular\":{\"specularFactor\":0}}}"};
+    static const struct rnd_channel channels[4] = {
+        {"R", RND_FLOAT}, {"G", RND_FLOAT}, {"B", RND_FLOAT}, {"A", RND_FLOAT}};
+    const struct rnd_aim down = files_aim(0, -1, 0);
+    char error[RND_ERROR_SIZE];
+    for (int i = 0; i < 4; i++)
+        for (int filter = 9728; filter <= 9729; filter++) {
+            const float see = i == 3 ? 1 : 0, white[8] = {see, see, see, 1 - see, 1, 1, 1, 1};
+            char more[300];
+            assert_true(rnd_pixels_write(files_path("two.exr"), "exr", 2, 1, 4, channels, white, false, error,
+                                         sizeof error));
+            snprintf(more, sizeof more,
+                     ",\"textures\":[{\"source\":0,\"sampler\":0}],\"images\":[{\"uri\":\"two.exr\"}],"
+                     "\"samplers\":[{\"magFilter\":%d,\"wrapS\":33071,\"wrapT\":33071}]",
+                     filter);
+            struct rnd_scene *scene = files_load(files_gltf("two.gltf", 4, node, materials[i], more),
+                                                 files_env("env.exr", i == 0   ? 1e-6f
+                                                                      : i == 3 ? 0.5f
+                                                                               : 1),
+                                                 NULL, (float[]){-1, 1, 0});
+            const double seen = files_radiance(scene, "fv", i == 0 ? 1 : 0, 40000, &down, 5, NULL);
+            /* the cover of a white surface under a sky of 1/2 is no matter, and its emission is that of one
+             */
+            const double dark = i == 3 ? 0.5 : 0, mixed = i == 3 ? 0.5 : 0.25;
+            if (!(fabs(seen - (filter == 9728 ? dark : mixed)) < 0.02))
+                fail_msg("material %d, filter %d: %g", i, filter, seen);
+            rnd_scene_destroy(scene);
+        }
+}
+
+/* A normal map that leans up its picture, under a sun 60 degrees over +Z: where the file's tangent and its w
+ * turn the lean, in the world and through instances, mirrored and not, for plain and layered materials. */
+static void tangents(void **state)
+{
+    (void)state;
+    enum { MANY = 1200 };
+    static const float up[12] = {0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0};
+    static uint16_t many[6 * MANY];
+    static const struct {
+        float tangent[4]; /* zeros: none */
+        const char *scale;
+        int lean; /* to -Z 0, to +X 1, to +Z 2 */
+    } cases[] = {
+        {{0, 0, 0, 0}, "3,1,3", 0},   {{1, 0, 0, 1}, "3,1,3", 0},   {{1, 0, 0, -1}, "3,1,3", 2},
+        {{-1, 0, 0, -1}, "3,1,3", 0}, {{0, 0, 1, 1}, "3,1,3", 1},   {{0, 0, -1, -1}, "3,1,3", 1},
+        {{1, 0, 0, 1}, "-3,1,3", 0},  {{1, 0, 0, -1}, "-3,1,3", 2}, {{1, 0, 0, 1}, "3,1,-3", 2},
+        {{1, 0, 0, 1}, "-3,1,-3", 2},
+    };
+    static const char *const kinds[] = {
+        "", ",\"extensions\":{\"KHR_materials_specular\":{\"specularColorFactor\":[1,1,0.999]}}"};
+    const struct rnd_aim down = files_aim(0, -1, 0);
+    const float lean[3] = {0.5f, 0.75f, 0.9330127f}; /* 30 degrees */
+    double expected[3] = {0};
+    char error[RND_ERROR_SIZE], nodes[500], material[400];
+    for (int i = 0; i < 6 * MANY; i++) many[i] = files_two[i % 6];
+    assert_true(rnd_image_write(files_path("lean.exr"), 1, 1, lean, false, error));
+    for (int kind = 0; kind < 2; kind++)
+        for (size_t i = 0; i < 2 * sizeof cases / sizeof *cases; i++) {
+            const bool instanced = i % 2;
+            const float *t = cases[i / 2].tangent;
+            float tangent[16];
+            for (int k = 0; k < 16; k++) tangent[k] = t[k % 4];
+            const struct files_part parts[] = {
+                {files_corners, sizeof files_corners, VEC3(4)},
+                {files_uvs, sizeof files_uvs, "\"componentType\":5126,\"count\":4,\"type\":\"VEC2\""},
+                {many, sizeof many, SCALARS(5123, 7200)},
+                {up, sizeof up, VEC3(4)},
+                {tangent, sizeof tangent, "\"componentType\":5126,\"count\":4,\"type\":\"VEC4\""}};
+            snprintf(nodes, sizeof nodes,
+                     "{\"children\":[1,2%s]},{\"mesh\":0,\"scale\":[%s]},{\"rotation\":[-0.5,0,0,0.8660254],"
+                     "\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}},{\"mesh\":0,\"translation\":[0,"
+                     "-90,0]}",
+                     instanced ? ",3" : "", cases[i / 2].scale);
+            snprintf(material, sizeof material,
+                     "{\"pbrMetallicRoughness\":{\"metallicFactor\":0},\"normalTexture\":{\"index\":0}%s}",
+                     kinds[kind]);
+            const char *path = files_parts(
+                "tangent.gltf",
+                t[3] == 0 ? "{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1,\"NORMAL\":3},\"indices\":2,"
+                            "\"material\":0}"
+                          : "{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1,\"NORMAL\":3,\"TANGENT\":4},"
+                            "\"indices\":2,\"material\":0}",
+                nodes, material,
+                ",\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"lean.exr\"}],\"extensions\":{"
+                "\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"directional\",\"intensity\":3}]}}",
+                parts, 5);
+            struct rnd_scene *scene = files_load(path, NULL, NULL, (float[]){0.1f, 1, 0.1f});
+            assert_int_equal(scene->instance_count, instanced ? 2 : 0);
+            assert_int_equal(scene->material[0].kind, kind ? RND_RICH : RND_METAL_ROUGH);
+            const double seen = files_radiance(scene, "fv", 0, 20000, &down, 10, NULL);
+            double *as = &expected[cases[i / 2].lean];
+            if (*as == 0) *as = seen;
+            if (!(fabs(seen / *as - 1) < 0.01))
+                fail_msg("kind %d, case %zu: %g, expected %g", kind, i, seen, *as);
+            rnd_scene_destroy(scene);
+        }
+    print_message("%g %g %g\n", expected[0], expected[1], expected[2]);
+    assert_true(expected[1] > 1.2 * expected[0] && expected[2] > 1.2 * expected[1]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(components),      cmocka_unit_test(quantized), cmocka_unit_test(sparse),
         cmocka_unit_test(wrong_accessors), cmocka_unit_test(modes),     cmocka_unit_test(shared_vertices),
         cmocka_unit_test(roots),           cmocka_unit_test(names),     cmocka_unit_test(versions),
-        cmocka_unit_test(extensions),
+        cmocka_unit_test(extensions),      cmocka_unit_test(nearest),   cmocka_unit_test(tangents),
     };
     return cmocka_run_group_tests_name("renderer_gltf", tests, files_setup, files_teardown);
 }
