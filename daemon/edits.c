@@ -56,33 +56,45 @@ static bool goes_on(unsigned char byte)
     return isalnum(byte) || byte == '_' || byte == '-' || byte == '.';
 }
 
-static bool finds(const char *text, size_t size, bool last, const char *name)
+/* The byte that is written at text, as it is or as %20 in a URI; *length is how long that is. */
+static unsigned char byte_at(const char *text, const char *end, bool of_uri, size_t *length)
 {
-    size_t length = strlen(name);
-    const char *at = text, *end = text + size;
+    unsigned byte = (unsigned char)*text;
 
-    while ((at = memmem(at, (size_t)(end - at), name, length))) {
-        bool before = at > text && goes_on((unsigned char)at[-1]);
-        bool after = at + length < end ? goes_on((unsigned char)at[length]) : !last;
-
-        if (!before && !after) return true;
-        at++;
-    }
-    return false;
+    *length = 1;
+    if (of_uri && byte == '%' && end - text >= 3 && isxdigit((unsigned char)text[1]) &&
+        isxdigit((unsigned char)text[2]) && sscanf(text + 1, "%2x", &byte) == 1)
+        *length = 3;
+    return (unsigned char)byte;
 }
 
-/* As a URI writes it. */
-static void encode(const char *name, char *out)
+/* Where the name that begins at text ends, in whatever letter case; NULL if it is another one. */
+static const char *end_of(const char *text, const char *end, bool of_uri, const char *name)
 {
-    for (; *name; name++)
-        out += sprintf(out, goes_on((unsigned char)*name) || *name == '~' ? "%c" : "%%%02X",
-                       (unsigned char)*name);
+    for (size_t length; *name; name++, text += length)
+        if (text == end || tolower(byte_at(text, end, of_uri, &length)) != tolower((unsigned char)*name))
+            return NULL;
+    return text;
+}
+
+static bool finds(const char *text, size_t size, bool last, bool of_uri, const char *name)
+{
+    const char *end = text + size, *after;
+    int first[2] = {tolower((unsigned char)*name), toupper((unsigned char)*name)};
+
+    for (const char *at = text; at < end; at++) {
+        if (*at != (char)first[0] && *at != (char)first[1] && *at != '%') continue;
+        if (at > text && goes_on((unsigned char)at[-1])) continue;
+        if (!(after = end_of(at, end, of_uri, name))) continue;
+        if (after < end ? !goes_on((unsigned char)*after) : last) return true;
+    }
+    return false;
 }
 
 /* Is one of the changed files' names written in this file? */
 static bool names_one(const struct dmn_edits *edits, const char *folder, const char *name)
 {
-    char path[4096 + NAME_SIZE], uri[3 * NAME_SIZE], *text = malloc(CHUNK);
+    char path[4096 + NAME_SIZE], *text = malloc(CHUNK);
     size_t used = 0, more = 1;
     bool found = false;
     FILE *file;
@@ -92,10 +104,9 @@ static bool names_one(const struct dmn_edits *edits, const char *folder, const c
     while (file && !found && more > 0) {
         more = fread(text + used, 1, CHUNK - used, file);
         used += more;
-        for (int i = 0; i < edits->count && !found; i++) {
-            encode(edits->changed[i], uri);
-            found = finds(text, used, !more, edits->changed[i]) || finds(text, used, !more, uri);
-        }
+        for (int i = 0; i < edits->count && !found; i++)
+            found = finds(text, used, !more, false, edits->changed[i]) ||
+                    finds(text, used, !more, true, edits->changed[i]);
         if (used == CHUNK) {
             memmove(text, text + CHUNK - OVERLAP, OVERLAP);
             used = OVERLAP;

@@ -1,4 +1,5 @@
 /* Materials of Wavefront MTL, and of all other formats as far as assimp gives them the same keys. */
+#include "scene/find_file.h"
 #include "scene/material.h"
 
 #include <assimp/GltfMaterial.h>
@@ -33,7 +34,15 @@ static uint8_t wrap_of(enum aiTextureMapMode mode)
                                                                             : RND_REPEAT;
 }
 
-/* False if the material names an image that cannot be read. */
+/* An image that cannot be read: the map's factor stands alone. */
+static bool go_without(struct reader *r, const char *name, const char *why)
+{
+    rnd_warn(&r->scene->warnings, "%.200s: %s: %s; what it is for goes by its factor alone", r->path, name,
+             why);
+    return true;
+}
+
+/* False if memory is short. */
 static bool read_map(struct reader *r, enum aiTextureType type, enum rnd_map_use use,
                      enum rnd_pixels_use pixels, struct rnd_material *to)
 {
@@ -52,7 +61,7 @@ static bool read_map(struct reader *r, enum aiTextureType type, enum rnd_map_use
     if (name.data[0] == '*') { /* embedded */
         const unsigned long i = strtoul(name.data + 1, NULL, 10);
         if (i >= r->file->mNumTextures || r->file->mTextures[i]->mHeight != 0)
-            return fail(r, "an embedded texture is not a compressed image");
+            return go_without(r, name.data, "is no embedded image in a file's format");
         const struct aiTexture *texture = r->file->mTextures[i];
         char label[300]; /* OpenImageIO goes by the ending */
         snprintf(label, sizeof label, "%.200s: texture %lu.%s", r->path, i,
@@ -60,12 +69,8 @@ static bool read_map(struct reader *r, enum aiTextureType type, enum rnd_map_use
         map->texture = rnd_texture_add(r->scene, label, texture->pcData, texture->mWidth, pixels, r->error);
         return map->texture >= 0;
     }
-    char path[4096];
-    if (snprintf(path, sizeof path, "%s%s", name.data[0] == '/' ? "" : r->directory, name.data) >=
-        (int)sizeof path)
-        return fail(r, "a texture's path is too long");
-    for (char *c = path; *c; c++)
-        if (*c == '\\') *c = '/';
+    char path[RND_PATH_SIZE];
+    if (!rnd_find_file(r->directory, name.data, false, path)) return go_without(r, path, "is no plain file");
     map->texture = rnd_texture_add(r->scene, path, NULL, 0, pixels, r->error);
     return map->texture >= 0;
 }

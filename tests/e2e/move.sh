@@ -104,10 +104,10 @@ developed green.exr
 different white.exr green.exr
 "$foveactl" stats | grep -q '^eye *0.5,0,0.5 m' || fail "an edit moves the eye: $("$foveactl" stats)"
 
-# Written in place, where half of it may be read first; and with a picture that only the .mtl names, in a folder of its
-# own.
+# Written in place, where half of it may be read first; and with a picture that only the .mtl names, as Windows would, in a
+# folder of its own.
 has_texture() { "$foveactl" stats | grep -q '1 textures'; }
-sed 's/^Kd 0.6 0.6 0.6/&\nmap_Kd pictures\/rug.jpg/' room.mtl >with.mtl
+sed 's/^Kd 0.6 0.6 0.6/&\nmap_Kd Pictures\\RUG.JPG/' room.mtl >with.mtl
 cat with.mtl >room.mtl
 await 'the texture' has_texture
 now=$(generation)

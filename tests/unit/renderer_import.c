@@ -372,6 +372,18 @@ static void textures(void **state)
                                "mtllib shows.mtl\nusemtl m\nv -2 0 -2\nv -2 0 2\nv 2 0 2\nv 2 0 -2\n"
                                "vt 0 1\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3 4/4\n"),
                     1e-3);
+    /* and names files as some other machine did */
+    static const char *const names[] = {"QUARTERS.png", "Textures\\Quarters.PNG", "C:\\work\\quarters.png",
+                                        "/home/somebody/quarters.png", "none/quarters.png"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        char mtl[200];
+        snprintf(mtl, sizeof mtl, "newmtl m\nKd 0 0 0\nKe 1 1 1\nmap_Ke %s\n", names[i]);
+        files_text("shows.mtl", mtl);
+        struct rnd_scene *scene = files_load(files_path("shows.obj"), NULL, NULL, NULL);
+        assert_string_equal(rnd_scene_info(scene)->warnings, "");
+        assert_int_equal(rnd_scene_info(scene)->textures, 1);
+        rnd_scene_destroy(scene);
+    }
 }
 
 static void unsupported(void **state)
