@@ -1,5 +1,5 @@
 /* Scene files by assimp: OBJ and what else it reads, but for glTF. */
-#include "scene/import.h"
+#include "scene/assimp.h"
 #include "scene/material.h"
 
 #include <assimp/cimport.h>
@@ -81,12 +81,11 @@ static bool read_triangles(struct rnd_import *in, const struct aiMesh *from, str
     return true;
 }
 
-/* Shapes are the file's meshes, in their order. */
-static bool read_mesh(struct rnd_import *in, const struct aiMesh *from)
+bool rnd_assimp_mesh(struct rnd_import *in, const struct aiMesh *from, uint32_t material, const char *name)
 {
     struct rnd_mesh to = {
-        .vertices = from->mNumVertices, .triangles = count_triangles(from), .material = from->mMaterialIndex};
-    if (from->mMaterialIndex >= in->scene->material_count)
+        .vertices = from->mNumVertices, .triangles = count_triangles(from), .material = material};
+    if (material >= in->scene->material_count)
         return rnd_import_fail(in, "mesh \"%.60s\": names a material that is not there", from->mName.data);
     if (!read_triangles(in, from, &to)) {
         rnd_mesh_finish(&to);
@@ -94,7 +93,7 @@ static bool read_mesh(struct rnd_import *in, const struct aiMesh *from)
     }
     if (read_vectors(from->mVertices, to.vertices, &to.position) &&
         read_vectors(from->mNormals, to.vertices, &to.normal) && read_attributes(from, &to))
-        return rnd_import_shape(in, &to, from->mName.data);
+        return rnd_import_shape(in, &to, name);
     rnd_mesh_finish(&to);
     return rnd_import_fail(in, "not enough memory");
 }
@@ -193,7 +192,10 @@ bool rnd_import_assimp(struct rnd_import *in)
         return false;
     }
     bool ok = read_materials(in, file);
-    for (unsigned i = 0; ok && i < file->mNumMeshes; i++) ok = read_mesh(in, file->mMeshes[i]);
+    for (unsigned i = 0; ok && i < file->mNumMeshes; i++) { /* shapes are meshes, in their order */
+        const struct aiMesh *mesh = file->mMeshes[i];
+        ok = rnd_assimp_mesh(in, mesh, mesh->mMaterialIndex, mesh->mName.data);
+    }
     ok = ok && rnd_import_nodes(in, walk, (void *)(uintptr_t)file);
     if (ok && file->mNumAnimations > 0)
         rnd_scene_unsupported(in->scene, "animation (its first frame is shown)");

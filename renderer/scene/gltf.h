@@ -94,6 +94,14 @@ void rnd_gltf_floats(const struct rnd_gltf_accessor *accessor, size_t first, siz
 /* All elements of an accessor of unsigned integers. */
 void rnd_gltf_integers(const struct rnd_gltf_accessor *accessor, uint32_t *out);
 
+/* --- gltf_draco.c --- */
+
+/* Is a primitive's geometry there in Draco's form alone? */
+bool rnd_gltf_is_draco(const struct rnd_gltf *gltf, const json_t *primitive);
+/* Make a shape of such a primitive. False and a line. */
+bool rnd_gltf_draco(struct rnd_gltf *gltf, const json_t *primitive, const char *where, uint32_t material,
+                    const char *name);
+
 /* --- gltf_mesh.c --- */
 
 /* Make shapes of a mesh's primitives, once. False and a line. */

@@ -233,10 +233,8 @@ static bool read_primitive(struct primitive *p, const char *name)
         rnd_scene_unsupported(in->scene, "points and lines");
         return true;
     }
-    if (rnd_gltf_extension(p->json, "KHR_draco_mesh_compression"))
-        return rnd_import_fail(
-            in, "%s: KHR_draco_mesh_compression cannot be read: export the file without compression",
-            p->where);
+    if (rnd_gltf_is_draco(p->gltf, p->json))
+        return read_material(p) && rnd_gltf_draco(p->gltf, p->json, p->where, p->mesh.material, name);
     if (!find_attribute(p, "POSITION", 3, 3, &p->position, &any) || !read_material(p)) return false;
     if (!any) {
         rnd_scene_unsupported(in->scene, "primitives without positions");

@@ -274,6 +274,76 @@ static void shared_vertices(void **state)
     rnd_scene_destroy(scene);
 }
 
+/* --- Draco --- */
+
+/* The square from -1 to 1 with normals, texture coordinates and colours, by Draco 1.5.5. */
+static const char draco_square[] =
+    "RFJBQ08CAgEBAAAABAIDAgAAAR//ARH/ARH/ARH/AREE/wAAAAAAAQAAAgAAAQAJAwAAAgEDCQIAAQIBAQkDAAIDAQIEBAAD"
+    "AQEBAQADAwEwARADACiCKAgAAAAA/z8AAAAAgL8AAAAAAACAvwAAAEAOAQEBAAMDATABEAMAKIKMAAAAAAD/DwAAAAAAAAAA"
+    "AAAAAIA/DAADAQAKAwEwGwEQAwAcgv8BAP8DAAD/AQAACgEBAQARAwEwNwEQAwAcggEA//8AAAEAAAAAAAAA//8AAA==";
+
+static const char *with_draco(const char *name, const char *index, const char *view, const char *data)
+{
+    static char text[6000];
+    snprintf(
+        text, sizeof text,
+        "{\"asset\":{\"version\":\"2.0\"},\"extensionsRequired\":[\"KHR_draco_mesh_compression\"],\"scenes\":"
+        "[{"
+        "\"nodes\":[0]}],\"nodes\":[{\"mesh\":0,\"translation\":[0,1,0]}],\"materials\":[{}],\"meshes\":[{"
+        "\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1,\"NORMAL\":2,\"COLOR_0\":3},"
+        "\"indices\":4,\"material\":0,\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":%s,"
+        "\"attributes\":{"
+        "\"POSITION\":0,\"TEXCOORD_0\":1,\"NORMAL\":2,\"COLOR_0\":3}}}}]}],\"accessors\":[{\"componentType\":"
+        "5126,"
+        "\"count\":4,\"type\":\"VEC3\"},{\"componentType\":5126,\"count\":4,\"type\":\"VEC2\"},{"
+        "\"componentType\":"
+        "5126,\"count\":4,\"type\":\"VEC3\"},{\"componentType\":5123,\"normalized\":true,\"count\":4,"
+        "\"type\":"
+        "\"VEC4\"},{\"componentType\":%s,\"type\":\"SCALAR\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":"
+        "211}],"
+        "\"buffers\":[{\"byteLength\":211,\"uri\":\"data:;base64,%s\"}]}",
+        view, index, data);
+    return files_text(name, text);
+}
+
+static void draco(void **state)
+{
+    (void)state;
+    static const char *const indices[] = {"5123,\"count\":6", "5125,\"count\":6"};
+    char spoiled[sizeof draco_square];
+    for (int i = 0; i < 2; i++) {
+        struct rnd_scene *scene = load_quietly(with_draco("draco.gltf", indices[i], "0", draco_square));
+        const struct rnd_mesh *mesh = &scene->mesh[0];
+        assert_int_equal(mesh->triangles, 2);
+        for (int t = 0; t < 2; t++)
+            for (int k = 0; k < 3; k++) { /* texture coordinates go along with places */
+                const vec3s p = rnd_vertex(mesh, mesh->index[t][k]);
+                const float *uv = mesh->uv[0] + 2 * (size_t)mesh->index[t][k];
+                assert_float_equal(p.x, 2 * uv[0] - 1, 1e-3);
+                assert_float_equal(p.z, 2 * uv[1] - 1, 1e-3);
+                NEAR(p.y, 1), NEAR(fabsf(p.x), 1), NEAR(fabsf(p.z), 1);
+            }
+        NEAR(mesh->normal[1], 1), NEAR(mesh->colour[0], 1), NEAR(mesh->colour[1], 32768 / 65535.0),
+            NEAR(mesh->colour[3], 1);
+        rnd_scene_destroy(scene);
+    }
+    assert_refused(with_draco("count.gltf", "5123,\"count\":600", "0", draco_square),
+                   "meshes[0].primitives[0]: KHR_draco_mesh_compression cannot be decoded by assimp");
+    assert_refused(
+        with_draco("view.gltf", indices[0], "1", draco_square),
+        "meshes[0].primitives[0].extensions.KHR_draco_mesh_compression.bufferView: expected the index");
+    for (size_t i = 4; i < sizeof draco_square - 5; i += 7) { /* a scene or a line */
+        char error[RND_ERROR_SIZE] = "";
+        memcpy(spoiled, draco_square, sizeof spoiled);
+        spoiled[i] = spoiled[i] == 'A' ? 'z' : 'A';
+        const struct rnd_scene_options options = {
+            .path = with_draco("spoiled.gltf", indices[0], "0", spoiled), .env_path = files_path("env.exr")};
+        struct rnd_scene *scene = rnd_scene_load(&options, error);
+        assert_true(scene != NULL || strstr(error, "spoiled.gltf: "));
+        rnd_scene_destroy(scene);
+    }
+}
+
 /* --- nodes --- */
 
 static struct rnd_scene *with_nodes(const char *roots, const char *nodes, const char *warned)
@@ -565,6 +635,7 @@ int main(void)
         cmocka_unit_test(wrong_accessors), cmocka_unit_test(modes),     cmocka_unit_test(shared_vertices),
         cmocka_unit_test(roots),           cmocka_unit_test(names),     cmocka_unit_test(versions),
         cmocka_unit_test(extensions),      cmocka_unit_test(nearest),   cmocka_unit_test(tangents),
+        cmocka_unit_test(draco),
     };
     return cmocka_run_group_tests_name("renderer_gltf", tests, files_setup, files_teardown);
 }

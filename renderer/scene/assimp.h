@@ -1,0 +1,12 @@
+/* Meshes as assimp has them. */
+#ifndef FOVEAD_RENDERER_ASSIMP_H
+#define FOVEAD_RENDERER_ASSIMP_H
+
+#include "scene/import.h"
+
+struct aiMesh;
+
+/* Make a shape of a mesh's triangles; the name must outlive the import. False and a line in in->error. */
+bool rnd_assimp_mesh(struct rnd_import *in, const struct aiMesh *from, uint32_t material, const char *name);
+
+#endif
