@@ -191,6 +191,7 @@ bool rnd_import_assimp(struct rnd_import *in)
         if (file) aiReleaseImport(file);
         return false;
     }
+    in->most = RND_MOST_TRIANGLES;
     bool ok = read_materials(in, file);
     for (unsigned i = 0; ok && i < file->mNumMeshes; i++) { /* shapes are meshes, in their order */
         const struct aiMesh *mesh = file->mMeshes[i];

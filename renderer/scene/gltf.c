@@ -1,10 +1,10 @@
 /* A glTF file, whole: what is read of it, and in which order. */
 #include "scene/gltf.h"
-#include "scene/material.h"
 
 bool rnd_import_gltf(struct rnd_import *in)
 {
     struct rnd_gltf gltf;
+    in->most = RND_LEAST_TRIANGLES;
     const bool ok = rnd_gltf_open(&gltf, in) && rnd_gltf_check_nodes(&gltf) && rnd_gltf_first_frame(&gltf) &&
                     rnd_gltf_materials(&gltf) && rnd_import_nodes(in, rnd_gltf_walk, &gltf);
     if (ok) rnd_gltf_name_unsupported(&gltf);

@@ -32,7 +32,8 @@ struct rnd_gltf {
         bool read;
         uint32_t first, count; /* of the import's shapes */
     } * mesh;
-    bool morphs; /* weights of morph targets that are not 0 are asked for */
+    uint64_t bytes, asked; /* of buffers that were read; numbers that were asked for */
+    bool morphs;           /* weights of morph targets that are not 0 are asked for */
 };
 
 /* --- gltf_json.c --- */
@@ -56,6 +57,9 @@ void rnd_gltf_name_unsupported(struct rnd_gltf *gltf);
 
 /* --- gltf_bytes.c --- */
 
+/* Count numbers that are asked for at a place of the file, before there is memory for them: a file may name
+ * the same ones over and over, and is believed so often. False and a line. */
+bool rnd_gltf_ask(struct rnd_gltf *gltf, size_t numbers, const char *where);
 /* The bytes of a data URI. NULL if it is not one of base64, or memory is short. The caller frees. */
 uint8_t *rnd_gltf_data_uri(const char *uri, size_t *out_count);
 /* The bytes of a buffer view, the file's until it is closed, and the distance of elements that it asks for,
@@ -101,6 +105,12 @@ bool rnd_gltf_is_draco(const struct rnd_gltf *gltf, const json_t *primitive);
 /* Make a shape of such a primitive. False and a line. */
 bool rnd_gltf_draco(struct rnd_gltf *gltf, const json_t *primitive, const char *where, uint32_t material,
                     const char *name);
+
+/* --- gltf_material.c --- */
+
+/* All of the file's materials, in its order, and after them glTF's default. Values out of their range are
+ * clamped, with a warning. False and a line. */
+bool rnd_gltf_materials(struct rnd_gltf *gltf);
 
 /* --- gltf_mesh.c --- */
 

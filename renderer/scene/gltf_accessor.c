@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* An accessor without bytes is as long as it says; this is as far as it is believed. */
-enum { MAX_ZEROS = 1 << 24 };
+enum { MAX_ZEROS = 1 << 20 };
 
 /* Bytes of a number; 0 if there is no such component. */
 static size_t size_of(size_t component)
@@ -94,6 +94,7 @@ static bool open_sparse(struct rnd_gltf *gltf, const json_t *json, const char *a
     if (offset[0] + a->sparse * size_of(a->sparse_component) > size[0] ||
         offset[1] + a->sparse * packed > size[1])
         return rnd_import_fail(gltf->in, "%s.count: %zu, beyond the end of a buffer view", where, a->sparse);
+    if (!rnd_gltf_ask(gltf, a->sparse, where)) return false;
     a->sparse_index += offset[0];
     a->sparse_value += offset[1];
     for (size_t i = 0; i < a->sparse; i++)

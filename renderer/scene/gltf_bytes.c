@@ -45,6 +45,16 @@ uint8_t *rnd_gltf_data_uri(const char *uri, size_t *out_count)
 
 /* --- buffers --- */
 
+bool rnd_gltf_ask(struct rnd_gltf *gltf, size_t numbers, const char *where)
+{
+    enum { TIMES = 64, LEAST = 100000000 };
+    gltf->asked += numbers;
+    return gltf->asked <= TIMES * gltf->bytes + LEAST ||
+           rnd_import_fail(
+               gltf->in, "%s: the file asks for the same numbers over and over: %llu, and it has %llu bytes",
+               where, (unsigned long long)gltf->asked, (unsigned long long)gltf->bytes);
+}
+
 /* size bytes of a file from start on. NULL with *out_there as many as there are. */
 static uint8_t *read_file(const char *path, size_t start, size_t size, size_t *out_there)
 {
@@ -111,6 +121,8 @@ static const struct rnd_gltf_buffer *read_buffer(struct rnd_gltf *gltf, const js
         rnd_import_fail(gltf->in, "%s.uri: expected one, since there is no chunk for it in the file", where);
     }
     buffer->size = size;
+    gltf->bytes += size;
+    gltf->in->most += RND_TRIANGLES_A_BYTE * size;
     return buffer->bytes ? buffer : NULL;
 }
 

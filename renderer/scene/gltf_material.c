@@ -101,6 +101,11 @@ static int add_image(struct reader *r, size_t index, const json_t *image, bool s
         rnd_warn(&r->scene->warnings, "%s; what it is for goes by its factor alone", in->error);
         return -1;
     }
+    if (!rnd_gltf_ask(r->gltf, count / 4, where)) {
+        rnd_warn(&r->scene->warnings, "%s", in->error);
+        free(own);
+        return -1;
+    }
     snprintf(path, sizeof path, "%.200s: image %zu.%s", in->path, index, ending(bytes, count, image));
     const int texture = rnd_texture_add(r->scene, path, bytes, count, use, in->error);
     free(own);

@@ -38,6 +38,7 @@ static uint32_t *read_corners(struct primitive *p, size_t *out_count)
         rnd_import_fail(p->gltf->in, "%s: expected SCALAR of component 5121, 5123 or 5125", where);
         return NULL;
     }
+    if (!rnd_gltf_ask(p->gltf, a.count, where)) return NULL;
     uint32_t *corner = malloc((a.count + 1) * sizeof *corner);
     if (!corner) {
         rnd_import_fail(p->gltf->in, "not enough memory");
@@ -134,6 +135,7 @@ static bool find_attribute(struct primitive *p, const char *name, size_t least, 
 static float *read_floats(struct primitive *p, const struct rnd_gltf_accessor *a)
 {
     const size_t count = p->mesh.vertices;
+    if (!rnd_gltf_ask(p->gltf, a->n * count, p->where)) return NULL;
     float *out = malloc((a->n * count + 1) * sizeof *out);
     if (!out) {
         rnd_import_fail(p->gltf->in, "not enough memory");

@@ -113,6 +113,7 @@ static bool read_floats(struct rnd_gltf *gltf, const json_t *index, const char *
     if (a.n != n || first + count > a.count)
         return rnd_import_fail(gltf->in, "%s: expected %zu elements of %zu numbers, found %zu of %zu", where,
                                first + count, n, a.count, a.n);
+    if (!rnd_gltf_ask(gltf, count * n, where)) return false;
     rnd_gltf_floats(&a, first, count, out);
     for (size_t i = 0; i < count * n; i++)
         if (!isfinite(out[i])) return rnd_import_fail(gltf->in, "%s: number %zu is not finite", where, i);

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MAX_TRIANGLES 500000000ull /* and as many vertices */
 /* Beyond this, m, the square of a triangle's area leaves float; and texture coordinates their texel. */
 #define MAX_COORDINATE 1e9
 
@@ -26,13 +25,22 @@ bool rnd_import_fail(struct rnd_import *in, const char *format, ...)
 
 /* --- shapes --- */
 
-/* Is there room for as much again as a mesh? */
+/* Can there be so many? */
+static bool check_amount(struct rnd_import *in, uint64_t triangles, uint64_t vertices)
+{
+    const uint64_t most = in->most < RND_MOST_TRIANGLES ? in->most : RND_MOST_TRIANGLES;
+    return (triangles <= most && vertices <= most) ||
+           rnd_import_fail(in, "more than %llu million triangles or vertices%s",
+                           (unsigned long long)(most / 1000000),
+                           most < RND_MOST_TRIANGLES ? ", which is too much for the bytes that it has" : "");
+}
+
+/* Is there room for a mesh more? */
 static bool count_mesh(struct rnd_import *in, const struct rnd_mesh *mesh)
 {
     in->triangles += mesh->triangles;
     in->vertices += mesh->vertices;
-    return (in->triangles <= MAX_TRIANGLES && in->vertices <= MAX_TRIANGLES) ||
-           rnd_import_fail(in, "more than 500 million triangles or vertices");
+    return check_amount(in, in->triangles, in->vertices);
 }
 
 /* A list whose length is a power of two, or 0, is full. */
@@ -191,15 +199,20 @@ fail:
 enum { TRIANGLE_BYTES = 150, OBJECT_BYTES = 1000, WORTH_BYTES = 150000 };
 
 /* Which meshes are stored once: those that save memory. What shines is a list of triangles in the world. */
-static void choose_shared(struct rnd_import *in)
+static bool choose_shared(struct rnd_import *in)
 {
+    uint64_t triangles = in->triangles, vertices = in->vertices;
     for (uint32_t i = 0; i < in->shape_count; i++) {
         struct rnd_shape *shape = &in->shape[i];
         const struct rnd_material *material = &in->scene->material[shape->mesh.material];
         shape->shared =
             shape->places > 1 && !(rnd_luminance(material->emission.raw) > 0.0f) &&
             (shape->places - 1) * shape->mesh.triangles * TRIANGLE_BYTES > 2 * OBJECT_BYTES + WORTH_BYTES;
+        if (shape->shared || shape->places == 0) continue;
+        triangles += (shape->places - 1) * shape->mesh.triangles;
+        vertices += (shape->places - 1) * shape->mesh.vertices;
     }
+    return check_amount(in, triangles, vertices);
 }
 
 /* Put a shape among the scene's meshes in its own coordinates. */
@@ -260,6 +273,8 @@ bool rnd_import_place(struct rnd_import *in, uint32_t shape_index, const struct 
     struct rnd_shape *shape = &in->shape[shape_index];
     float normals[9];
     if (in->counting) {
+        if (++in->places > MAX_INSTANCES)
+            return rnd_import_fail(in, "meshes are in more than 10 million places");
         shape->places++;
         return true;
     }
@@ -313,9 +328,8 @@ bool rnd_import_nodes(struct rnd_import *in, bool (*walk)(struct rnd_import *in,
     }
     in->counting = true;
     if (!walk(in, file)) return false;
-    choose_shared(in);
     in->counting = false;
-    if (!walk(in, file)) return false;
+    if (!choose_shared(in) || !walk(in, file)) return false;
     if (info->triangles == 0) return rnd_import_fail(in, "holds no triangle");
     for (int k = 0; k < 3 && !in->has_eye; k++)
         info->eye[k] = 0.5 * (info->bounds[0][k] + info->bounds[1][k]);

@@ -9,6 +9,11 @@
 
 enum { RND_NODE_DEPTH = 256 }; /* nodes are no more deeply nested */
 
+/* Triangles that a scene may have, and as many vertices: of a format whose files may name the same ones over
+ * and over, some in any case, and more with its bytes. */
+#define RND_MOST_TRIANGLES 500000000ull
+enum { RND_LEAST_TRIANGLES = 50000000, RND_TRIANGLES_A_BYTE = 16 };
+
 /* A mesh of the file. */
 struct rnd_shape {
     struct rnd_mesh mesh; /* owns its arrays, until the scene takes them */
@@ -27,7 +32,9 @@ struct rnd_import {
     char *error;          /* RND_ERROR_SIZE bytes of the caller's, for one line of what is wrong */
     uint32_t shape_count;
     struct rnd_shape *shape;
+    uint64_t most;                /* RND_MOST_TRIANGLES, or less */
     uint64_t triangles, vertices; /* that are in memory */
+    uint64_t places;              /* of shapes */
     bool counting;                /* the first of two rounds: places are only counted */
     bool has_eye;
 };

@@ -1,9 +1,7 @@
-/* Materials of files, mapped to ours: glTF's from its JSON, all others' from what assimp hands over.
- */
+/* What materials of all formats share, and those of MTL and of all other formats but glTF's. */
 #ifndef FOVEAD_RENDERER_MATERIAL_H
 #define FOVEAD_RENDERER_MATERIAL_H
 
-#include "scene/gltf.h"
 #include "scene/scene.h"
 
 #include <assimp/scene.h>
@@ -14,10 +12,6 @@ void rnd_material_init(struct rnd_material *material);
 void rnd_material_set_f0(struct rnd_material *material, vec3s f0);
 /* material.c: the cheapest kind that is right for it. */
 void rnd_material_set_kind(struct rnd_material *material);
-
-/* gltf_material.c: all of the file's materials, in its order, and after them glTF's default. Values out of
- * their range are clamped, with a warning. False and a line in the import's error. */
-bool rnd_gltf_materials(struct rnd_gltf *gltf);
 
 /* mtl_material.c: one material of OBJ and the like. directory, "" or with a slash at its end, is where its
  * images are looked for. */

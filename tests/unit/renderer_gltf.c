@@ -208,6 +208,46 @@ static void wrong_accessors(void **state)
     }
 }
 
+/* Small files that ask for much: a line, before there is memory or time for it. */
+static void too_much(void **state)
+{
+    (void)state;
+    enum { MANY = 3000, CORNERS = 60000 };
+    static uint16_t corners[CORNERS / 2];
+    static char primitives[MANY * 60], nodes[MANY * 140];
+    static const uint8_t none[4] = {0};
+    const struct files_part parts[] = {
+        FILES_SQUARE,
+        {corners, sizeof corners, "\"componentType\":5121,\"count\":60000,\"type\":\"SCALAR\""},
+        {none, sizeof none,
+         "\"componentType\":5126,\"count\":1,\"type\":\"SCALAR\"},{\"componentType\":5126,\"count\":1000000,"
+         "\"type\":\"VEC3\",\"sparse\":{\"count\":1,\"indices\":{\"bufferView\":4,\"componentType\":5121},"
+         "\"values\":{\"bufferView\":0}}"}};
+    size_t n = 0;
+    for (int i = 0; i < MANY; i++)
+        n += (size_t)sprintf(primitives + n, "%s{\"attributes\":{\"POSITION\":0},\"indices\":3,\"mode\":5}",
+                             i ? "," : "");
+    assert_refused(files_parts("corners.gltf", primitives, node, "{}", "", parts, 5), "over and over");
+
+    n = (size_t)sprintf(nodes, "{\"children\":[");
+    for (int i = 1; i < MANY; i++) n += (size_t)sprintf(nodes + n, "%s%d", i > 1 ? "," : "", i);
+    n += (size_t)sprintf(nodes + n, "]}");
+    for (int i = 1; i < MANY; i++)
+        n += (size_t)sprintf(nodes + n, ",{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{"
+                                        "\"attributes\":{\"TRANSLATION\":5}}}}");
+    assert_refused(files_parts("places.gltf", files_primitive, nodes, "{}", "", parts, 5),
+                   "10 million places");
+
+    n = (size_t)sprintf(nodes, "{\"children\":[");
+    for (int i = 1; i < MANY; i++) n += (size_t)sprintf(nodes + n, "%s%d", i > 1 ? "," : "", i);
+    n += (size_t)sprintf(nodes + n, "]}");
+    for (int i = 1; i < MANY; i++) n += (size_t)sprintf(nodes + n, ",{\"mesh\":0}");
+    assert_refused(files_parts("shining.gltf",
+                               "{\"attributes\":{\"POSITION\":0},\"indices\":3,\"material\":0}", nodes,
+                               shining, "", parts, 5),
+                   "million triangles or vertices");
+}
+
 /* --- primitives --- */
 
 /* A square as a list, strip and fan, with indices and without; points and lines beside it are left out. */
@@ -498,6 +538,26 @@ static void versions(void **state)
     rnd_scene_destroy(load_quietly(files_write("odd.bin", text, all + 16)));
 }
 
+/* Names of a file reach a terminal without their control characters, in errors and in warnings. */
+static void printable(void **state)
+{
+    (void)state;
+    static const float far[9] = {0, 0, 0, 1, 0, 0, 1e30f, 1, 0};
+    const struct files_part parts[] = {{far, sizeof far, VEC3(3)}};
+    const char *path = files_parts("far.gltf",
+                                   "{\"attributes\":{\"POSITION\":0}}],\"name\":\"a\\u001b]0;"
+                                   "b\\u0007\\u009b1m\\u007f\\n\\u00e4\",\"x\":[",
+                                   node, "", "", parts, 1);
+    const struct rnd_scene_options options = {.path = path, .env_path = files_env("env.exr", 1)};
+    char error[RND_ERROR_SIZE];
+    assert_null(rnd_scene_load(&options, error));
+    if (!strstr(error, "mesh \"a ]0;b   1m  \xc3\xa4\" is not finite")) fail_msg("%s", error);
+    struct rnd_scene *scene =
+        load_warned(files_gltf("named.gltf", 1, node, shining, ",\"extensionsRequired\":[\"XX\\u001b[31m\"]"),
+                    ": XX [31m is not known");
+    rnd_scene_destroy(scene);
+}
+
 static void extensions(void **state)
 {
     (void)state;
@@ -635,7 +695,7 @@ int main(void)
         cmocka_unit_test(wrong_accessors), cmocka_unit_test(modes),     cmocka_unit_test(shared_vertices),
         cmocka_unit_test(roots),           cmocka_unit_test(names),     cmocka_unit_test(versions),
         cmocka_unit_test(extensions),      cmocka_unit_test(nearest),   cmocka_unit_test(tangents),
-        cmocka_unit_test(draco),
+        cmocka_unit_test(draco),           cmocka_unit_test(printable), cmocka_unit_test(too_much),
     };
     return cmocka_run_group_tests_name("renderer_gltf", tests, files_setup, files_teardown);
 }
