@@ -20,7 +20,7 @@ enum {
  * at most, which matters for the largest films; but no pause is longer than the other. What a look costs is
  * what it has of the processor: on a busy machine it may take long, and that is no reason to look less often.
  */
-static const uint64_t LOOK_NS = 3000000, LONGEST_PAUSE_NS = 100000000;
+static const uint64_t LOOK_NS = 2000000, LONGEST_PAUSE_NS = 100000000;
 enum { LOOK_SHARE = 10 };
 
 static const lws_usec_t TICK_US = 1000000 / DMN_CHECKS_A_SECOND;

@@ -241,7 +241,7 @@ enum trk_result trk_read(struct trk_source *source, uint64_t until_ns, struct tr
 bool trk_push(struct trk_source *source, const float direction[3], uint64_t time_ns);
 
 /* Ask the system to run the calling thread soon after it is woken, even while others compute: for one that
- * does nothing but wait for gaze and pass it on. It needs no rights, and where it is not known (Linux before
+ * mostly waits, for gaze or for messages, and passes on what came. It needs no rights, and where it is not known (Linux before
  * 6.12) nothing changes. */
 void trk_be_prompt(void);
 

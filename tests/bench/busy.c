@@ -215,8 +215,9 @@ static void *watch(void *argument)
     Fovea__Hello hello = FOVEA__HELLO__INIT;
     char error[PRO_ERROR_SIZE];
     hello.client = "fovea-bench busy";
-    hello.tiles = FOVEA__ENCODING__ENCODING_HALF_ZSTD;
+    hello.tiles = FOVEA__ENCODING__ENCODING_JPEG; /* as foveactl watch */
     hello.stats = true;
+    trk_be_prompt();
     struct pro_client *connection = pro_connect(&run->address, &hello, -1, true, error);
     client->failed = !connection;
     while (!client->failed) {
