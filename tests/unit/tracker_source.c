@@ -369,9 +369,20 @@ static void bad_specs(void **state)
     trk_close(NULL);
 }
 
+/* Pauses are no part of the rate. */
+static void says_the_rate_apart_from_pauses(void **state)
+{
+    (void)state;
+    struct trk_source *source = open_source((struct trk_source_options){
+        .spec = "replay:" FIXTURES "/../tests/cases/gaze/eyelink_left_blocks.asc", .virtual_clock = true});
+    if (!strstr(trk_describe(source), "30 samples, 2.1 s, 250 Hz")) fail_msg("%s", trk_describe(source));
+    trk_close(source);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(says_the_rate_apart_from_pauses),
         cmocka_unit_test(replay_keeps_the_logs_pace),
         cmocka_unit_test(replay_without_pace),
         cmocka_unit_test(replay_again_and_again),

@@ -12,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static char dir[32], path[96], other[2][128];
@@ -254,14 +255,200 @@ static void bids_screens_are_in_the_events(void **state)
     refused(rows, "ScreenOrigin is no corner");
 }
 
+/* --- kinds of faults in other dress --------------------------------------------------------------------- */
+
+#define DISPLAY                                                                                              \
+    "Recording timestamp [ms]\tEvent\tMouse position X\tGaze direction right X [DACS norm]\tGaze direction " \
+    "right Y [DACS norm]\tGaze direction right Z [DACS norm]\tEye position right X [DACS mm]\tEye position " \
+    "right Y [DACS mm]\tEye position right Z [DACS mm]\tGaze point right X [DACS mm]\tGaze point right Y "   \
+    "[DACS "                                                                                                 \
+    "mm]\tGaze point X [DACS px]\tGaze point Y [DACS px]\n"
+
+/* What the tracker says of directions goes before millimetres, these before pixels, unless the screen is
+ * told. */
+static void tobii_display(void **state)
+{
+    (void)state;
+    static const char first[] = "0\tStart\t\t\t\t\t\t\t\t\t\t\t\n1\t\t7\t\t\t\t\t\t\t\t\t\t\n";
+    char text[2048];
+    snprintf(text, sizeof text,
+             DISPLAY "%s10\t\t\t0.173648\t0\t-0.984808\t300\t100\t600\t300\t100\t960\t540\n"
+                     "20\t\t\t\t\t\t\t\t\t\t\t\t\n",
+             first);
+    reads(text, NULL, "other sensors, skipped: 2");
+    is(0, 0, 10, 0);
+    lost(1, 10);
+    assert_null(strstr(log_read.assumed, "degrees wide"));
+    snprintf(text, sizeof text, DISPLAY "%s10\t\t\t\t\t\t300\t100\t600\t300\t-5.796\t960\t540\n", first);
+    reads(text, NULL, "in mm");
+    is(0, 0, 0, 10);
+    snprintf(text, sizeof text, DISPLAY "10\t\t\t\t\t\t300\t100\t600\t\t\t960\t540\n");
+    reads(text, NULL, "screen 43.6 degrees wide");
+    is(0, 0, 0, 0);
+}
+
+/* Without a frame in the header, the sign of Z tells glasses, whose Z is forward. */
+static void tobii_directions_without_a_frame(void **state)
+{
+    (void)state;
+    reads("Recording timestamp [ms]\tGaze direction left X\tGaze direction left Y\tGaze direction left Z\n"
+          "0\t-0.173648\t0\t0.984808\n10\t0\t0.173648\t0.984808\n",
+          NULL, "of glasses (HUCS)");
+    is(0, 0, 10, 0);
+    is(1, 10, 0, 10);
+}
+
+/* A camera with a longer lens, whose middle is not the picture's, as the rows with both show it. */
+static void pupil_core_2d_among_3d(void **state)
+{
+    (void)state;
+    char text[4096] = CORE;
+    size_t length = strlen(text);
+    for (int i = 0; i < 12; i++) {
+        double x = tan((i % 4 * 6 - 9) * M_PI / 180), y = tan((i % 3 * 5 - 5) * M_PI / 180);
+        length += (size_t)snprintf(text + length, sizeof text - length,
+                                   "%.2f,0,1.0,%.6f,%.6f,1-0 1-1,%.4f,%.4f,1000,,,,,,,,,,,,\n", 5 + i / 100.0,
+                                   0.48 + 0.9 * x, 0.53 - 1.2 * y, 1000 * x, 1000 * y);
+    }
+    snprintf(text + length, sizeof text - length, "5.12,0,1.0,%.6f,0.53,1-0,,,,,,,,,,,,,,,\n",
+             0.48 + 0.9 * tan(10 * M_PI / 180));
+    reads(text, NULL, "through a scene camera 58.1 degrees wide, as the other rows show it");
+    assert_int_equal(log_read.count, 13);
+    is(12, 120, 10, 0);
+    assert_int_equal(log_read.samples[12].valid & (TRK_LEFT_DIRECTION | TRK_RIGHT_DIRECTION),
+                     TRK_RIGHT_DIRECTION);
+}
+
+#define ASC(time, x, res)                                                                                    \
+    "START\t" time "0 \tLEFT\nSAMPLES\tGAZE\tLEFT\tRATE\t250\n" time "0\t960\t540\t1\t.\n" time "4\t" x      \
+    "\t540\t1\t.\nEND\t" time "8 \tRES\t" res "\t" res "\n"
+
+/* Somebody comes nearer: the same coordinates, and more pixels a degree at the second time. */
+static void eyelink_blocks_have_their_own_resolution(void **state)
+{
+    (void)state;
+    reads("MSG\t1 GAZE_COORDS 0 0 1919 1079\n" ASC("100", "1363.574", "40") ASC("200", "1161.737", "20"),
+          NULL, "");
+    is(1, 4, 10, 0);
+    is(3, 1004, 10, 0);
+    assert_int_equal(log_read.count, 4);
+}
+
+/* NaN is no JSON, and Python writes it. */
+static void glasses3_with_nan(void **state)
+{
+    (void)state;
+    reads("{\"type\":\"gaze\",\"timestamp\":0.5,\"data\":{\"eyeleft\":{\"gazedirection\":[NaN, -NaN,NaN]},"
+          "\"eyeright\":{\"gazedirection\":[0,0,1],\"pupildiameter\": NaN}}}\n"
+          "{\"type\":\"gaze\",\"timestamp\":0.52,\"data\":{\"eyeright\":{\"gazedirection\":[NaN,NaN,NaN]}}}",
+          NULL, "");
+    is(0, 0, 0, 0);
+    lost(1, 20); /* without a line end, but closed: it is whole */
+    refused("{\"type\":\"gaze\",\"timestamp\":0.5,\"data\":{}}\n{\"type\":\n{\"type\":\"gaze\"}\n", ":2: ");
+}
+
+/* Clocks of other formats that do not run. */
+static void clocks_that_do_not_run(void **state)
+{
+    (void)state;
+    static const char *const refusals[][2] = {
+        {CORE "2E+3,0,1,0.5,0.5,b,,,,,,,,,,,,,,,\n2E+3,0,1,0.5,0.5,b,,,,,,,,,,,,,,,\n",
+         "gaze_timestamp stands still: all its times are the same (2E+3: a spreadsheet"},
+        {"n,x,y,val,dP,lab\n5,1,1,0,1,1\n5,1,1,0,1,1\n", "n stands still"},
+        {"n,x,y,val,dP,lab\n1.00E+09,1,1,0,1,1\n1.01E+09,1,1,0,1,1\n1.02E+09,1,1,0,1,1\n",
+         "n moves in steps of many samples: its times are rounded (1.00E+09: a spreadsheet"},
+        {"time,position_x,position_y,pixel_x\n7,1,1,1\n7,1,1,1\n", "time stands still"},
+        {"{\"type\":\"gaze\",\"timestamp\":7,\"data\":{}}\n{\"type\":\"gaze\",\"timestamp\":7,\"data\":{}}\n",
+         "timestamp stands still"},
+        /* Whole seconds, of a tracker at 4 Hz and more. */
+        {"Timeline\tCombine Eye Gaze Vector. x\tCombine Eye Gaze Vector. y\tCombine Eye Gaze Vector. z\tHead "
+         "Rotation. x\tHead Rotation. y\tHead Rotation. "
+         "z\n1\t0\t0\t1\t0\t0\t0\n1\t0\t0\t1\t0\t0\t0\n1\t0\t0\t1\t0\t0\t0\n"
+         "2\t0\t0\t1\t0\t0\t0\n2\t0\t0\t1\t0\t0\t0\n2\t0\t0\t1\t0\t0\t0\n",
+         "Timeline moves in steps of many samples"},
+    };
+    for (size_t i = 0; i < sizeof refusals / sizeof *refusals; i++) refused(refusals[i][0], refusals[i][1]);
+    reads(GAZEPOINT "0,7,30000000000,0.5,0.5,1,0.5,0.5,1,\"\"\n1,7,30000166667,0.5,0.5,1,0.5,0.5,1,\"\"\n",
+          NULL, "TIME stands still: time is by TIME_TICK");
+    is(1, 16.6667, 0, 0);
+    reads("time,position_x,position_y,pixel_x\n1.00E+03,1,1,1\n1.01E+03,1,1,1\n1.02E+03,1,1,1\n", NULL,
+          "a spreadsheet has rounded the times to 10 ms (1.00E+03)");
+}
+
+/* A name that two participants' recordings have needs the participant's as well. */
+static void recordings_of_the_same_name(void **state)
+{
+    (void)state;
+    static const char text[] = "n,x,y,val,dP,lab,Participant,Recording\n0,1,0,0,1,1,A,R1\n0,2,0,0,1,1,B,R1\n"
+                               "4,1,0,0,1,1,A,R1\n0,3,0,0,1,1,B,R2\n";
+    char error[TRK_ERROR_SIZE] = "";
+    struct trk_log log;
+    refused(text, "(A/R1, B/R1, R2)");
+    assert_false(trk_log_read_with(path, &(struct trk_log_options){.recording = "R1"}, &log, error));
+    assert_non_null(strstr(error, "(A/R1, B/R1)"));
+    assert_false(trk_log_read_with(path, &(struct trk_log_options){.recording = "b"}, &log, error));
+    assert_true(trk_log_read_with(path, &(struct trk_log_options){.recording = "A"}, &log_read, error));
+    assert_int_equal(log_read.count, 2);
+    trk_log_finish(&log_read);
+    assert_true(trk_log_read_with(path, &(struct trk_log_options){.recording = "B/R2"}, &log_read, error));
+    is(0, 0, 3, 0);
+    refused("section id,gaze detected on surface,gaze position on surface x\n", "mapped picture");
+    refused("id,start_timestamp,duration,dispersion,confidence,norm_pos_x,norm_pos_y,base_data\n",
+            "fixations");
+}
+
+/* Metadata in folders above, of several sizes: the deepest, and of one folder that with most entities,
+ * counts. */
+static void bids_inherits(void **state)
+{
+    (void)state;
+    char folder[96], file[3][192], table[192], error[TRK_ERROR_SIZE] = "";
+    snprintf(folder, sizeof folder, "%s/sub-01", dir);
+    snprintf(file[0], sizeof file[0], "%s/physio.json", dir);
+    snprintf(file[1], sizeof file[1], "%s/task-x_physio.json", dir);
+    snprintf(file[2], sizeof file[2], "%s/sub-01_physio.json", folder);
+    snprintf(table, sizeof table, "%s/sub-01_task-x_run-2_physio.tsv", folder);
+    assert_int_equal(mkdir(folder, 0700), 0);
+    spill(table, "0\t5\t0\n4\t10\t5\n");
+    spill(
+        file[0],
+        "{\"SampleCoordinateSystem\": \"eye-in-head\", \"RecordedEye\": \"left\", \"timestamp\": {\"Units\": "
+        "\"s\"}, \"x_coordinate\": {\"Units\": \"rad\"}}");
+    spill(file[1],
+          "{\"Columns\": [\"timestamp\", \"x_coordinate\", \"y_coordinate\"], \"timestamp\": {\"Units\": "
+          "\"ms\"}}");
+    spill(file[2], "{\"RecordedEye\": \"right\", \"x_coordinate\": {\"Units\": \"deg\"}}");
+    if (!trk_log_read(table, &log_read, error)) fail_msg("%s", error);
+    is(1, 4, 10, 5);
+    assert_int_equal(log_read.samples[0].valid & (TRK_LEFT_DIRECTION | TRK_RIGHT_DIRECTION),
+                     TRK_RIGHT_DIRECTION);
+    assert_true(trk_log_is_from(&log_read, file[0]) && trk_log_is_from(&log_read, file[2]));
+    assert_false(trk_log_write(file[1], &log_read, true, error));
+    assert_non_null(strstr(error, "was read with"));
+    for (int i = 0; i < 3; i++) unlink(file[i]);
+    unlink(table);
+    rmdir(folder);
+}
+
 int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, enter, leave)
     const struct CMUnitTest tests[] = {
-        TEST(tobii_glasses_without_units),    TEST(tobii_screen_without_units),
-        TEST(glasses3_with_a_point_alone),    TEST(gazepoint_joins_its_media),
-        TEST(pupil_core_mapped_in_2d),        TEST(roll_of_360_em),
+        TEST(tobii_glasses_without_units),
+        TEST(tobii_screen_without_units),
+        TEST(glasses3_with_a_point_alone),
+        TEST(gazepoint_joins_its_media),
+        TEST(pupil_core_mapped_in_2d),
+        TEST(roll_of_360_em),
         TEST(bids_screens_are_in_the_events),
+        TEST(tobii_display),
+        TEST(tobii_directions_without_a_frame),
+        TEST(pupil_core_2d_among_3d),
+        TEST(eyelink_blocks_have_their_own_resolution),
+        TEST(glasses3_with_nan),
+        TEST(clocks_that_do_not_run),
+        TEST(recordings_of_the_same_name),
+        TEST(bids_inherits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

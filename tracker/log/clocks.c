@@ -89,12 +89,13 @@ bool trk_check_clocks(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE
     struct trk_log *log = reading->log;
     const char *const *names = reading->clock_names;
     if (log->count < 2) return true;
-    enum kind device = judge(log, 0), host = names[1] ? judge(log, 1) : device;
+    enum kind device = judge(log, 0);
     bool is_rounded = *reading->exponent_time && !reading->has_plain_times && !names[1];
     if (is_rounded && device == RUNS && reading->exponent_step_ns >= coarsest_ns) device = COARSE;
     if (is_rounded && device == RUNS && reading->exponent_step_ns > exact_ns)
         trk_assume(reading, "a spreadsheet has rounded the times to %g ms (%s)",
                    reading->exponent_step_ns / 1e6, reading->exponent_time);
+    const enum kind host = names[1] ? judge(log, 1) : device;
     if (device != RUNS && host != RUNS) return fail(reading, device, out_error);
     if (device != RUNS) {
         take_arrival(log);

@@ -57,6 +57,9 @@ static const struct {
     {{"section id", "blink id", "start timestamp"}, "Pupil Cloud's blinks, expected its gaze.csv"},
     {{"section id", "fixation id", "start timestamp"}, "Pupil Cloud's fixations, expected its gaze.csv"},
     {{"section id", "gyro x", "acceleration x"}, "Pupil Cloud's IMU, expected its gaze.csv"},
+    {{"start_timestamp", "duration", "dispersion"},
+     "Pupil Player's fixations, expected its gaze_positions.csv"},
+    {{"pupil_timestamp", "eye_id"}, "Pupil Player's pupils, expected its gaze_positions.csv"},
     {{"onset", "duration"}, "BIDS events, expected the _physio.tsv.gz of the gaze"},
 };
 

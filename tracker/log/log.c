@@ -127,6 +127,7 @@ static const struct trk_log_format *detect(struct trk_reading *reading, char out
     const struct trk_log_format *found = NULL;
     char names[384] = "";
     int count = 0;
+    if (!trk_check_namesakes(reading, out_error)) return NULL;
     for (int i = 0; i < FORMATS; i++) {
         const struct trk_log_format *format = formats[i];
         if (!(format->detect ? format->detect(reading) : trk_header_has(&reading->header, format->columns)))
@@ -136,7 +137,6 @@ static const struct trk_log_format *detect(struct trk_reading *reading, char out
         found = format;
     }
     if (count == 1) return found;
-    if (count == 0 && !trk_check_namesakes(reading, out_error)) return NULL;
     if (count > 1) {
         trk_lines_fail(&reading->lines, out_error, "may be any of %s: expected the format to be told", names);
         return NULL;

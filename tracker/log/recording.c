@@ -101,6 +101,7 @@ bool trk_recording_is_met(const struct trk_table *table, char out_error[TRK_ERRO
     if (wanted <= 1 && (option || !reading->has_more_recordings)) return true;
     list(reading, true, names, sizeof names);
     return trk_fail(out_error,
-                    "%.100s: holds several recordings (%s), expected one to be told: --recording NAME",
+                    "%.100s: holds several recordings (%s), expected one to be told: foveactl gaze convert "
+                    "--recording NAME",
                     reading->lines.path, names);
 }
