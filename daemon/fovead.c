@@ -127,7 +127,7 @@ static void print_start(const struct daemon *daemon)
     dmn_gaze_state(daemon->common.gaze, &gaze);
     dmn_report_left_out(info, options->scene.path);
     fprintf(daemon->out, "scene    %s\n", daemon->common.words.line);
-    fprintf(daemon->out, "eye      %.4g,%.4g,%.4g m\n", info->eye[0], info->eye[1], info->eye[2]);
+    fprintf(daemon->out, "eye      %.8g,%.8g,%.8g m\n", info->eye[0], info->eye[1], info->eye[2]);
     fprintf(daemon->out, "gaze     %s\n", gaze.source.description);
     if (*gaze.recording) fprintf(daemon->out, "records  %s\n", gaze.recording);
     fprintf(daemon->out, "film     %dx%d, mode %s, %d threads\n", options->render.width,

@@ -8,6 +8,8 @@
 
 /* Beyond this, m, the square of a triangle's area leaves float; and texture coordinates their texel. */
 #define MAX_COORDINATE 1e9
+/* Within so many metres floats are fine enough for what people build. */
+#define NEAR 64.0
 
 enum { MAX_INSTANCES = 10000000 };
 
@@ -86,6 +88,67 @@ static void extend_bounds(struct rnd_import *in, const double p[3])
     }
 }
 
+static void empty_bounds(struct rnd_import *in)
+{
+    for (int k = 0; k < 3; k++) {
+        in->scene->info.bounds[0][k] = INFINITY;
+        in->scene->info.bounds[1][k] = -INFINITY;
+    }
+}
+
+/* The box of a shape's vertices, by its lowest and highest corner. */
+static void box_of(const struct rnd_mesh *mesh, float low[3], float high[3])
+{
+    for (int k = 0; k < 3; k++) {
+        low[k] = INFINITY;
+        high[k] = -INFINITY;
+        for (uint32_t i = 0; i < mesh->vertices; i++) {
+            low[k] = fminf(low[k], mesh->position[3 * (size_t)i + (size_t)k]);
+            high[k] = fmaxf(high[k], mesh->position[3 * (size_t)i + (size_t)k]);
+        }
+    }
+}
+
+/* Extend the bounds by a box that goes by a map. False if a corner is out of range: they are not extended by
+ * that. */
+static bool extend_by_box(struct rnd_import *in, const float low[3], const float high[3],
+                          const struct rnd_affine *world)
+{
+    bool good = true;
+    for (int k = 0; k < 8; k++) {
+        const float corner[3] = {k & 1 ? high[0] : low[0], k & 2 ? high[1] : low[1],
+                                 k & 4 ? high[2] : low[2]};
+        double p[3];
+        rnd_affine_apply(world, corner, 1.0, p);
+        if (in_range(p))
+            extend_bounds(in, p);
+        else
+            good = false;
+    }
+    return good;
+}
+
+/* A scene that is far from its file's origin, as measured by its own size, gets an origin of its own in its
+ * middle: rays would leak through walls where floats have steps of millimetres. In whole metres, so that
+ * what floats hold of places is not rounded once more. */
+static void choose_origin(struct rnd_import *in)
+{
+    const double(*bounds)[3] = (const double(*)[3])in->scene->info.bounds;
+    double size = 0.0, away = 0.0;
+    for (int k = 0; k < 3; k++) {
+        size = fmax(size, bounds[1][k] - bounds[0][k]);
+        away = fmax(away, 0.5 * fabs(bounds[0][k] + bounds[1][k]));
+    }
+    if (!(away > 16.0 * size || (away > size && away > NEAR))) return; /* neither if there is nothing */
+    for (int k = 0; k < 3; k++) in->scene->origin[k] = rint(0.5 * (bounds[0][k] + bounds[1][k]));
+}
+
+/* From the file's coordinates to the scene's own. */
+static void to_own(const struct rnd_import *in, double p[3])
+{
+    for (int k = 0; k < 3; k++) p[k] -= in->scene->origin[k];
+}
+
 /* A unit vector of that direction; zero if it has none. */
 static void put_unit(const double d[3], float out[3])
 {
@@ -118,8 +181,11 @@ static bool move_mesh(struct rnd_import *in, struct rnd_mesh *mesh, const char *
         if (!in_range(p))
             return rnd_import_fail(in, "vertex %u of mesh \"%.60s\" is not finite or beyond %g m", i, name,
                                    MAX_COORDINATE);
+        if (!mesh->instanced) {
+            extend_bounds(in, p);
+            to_own(in, p);
+        }
         for (int k = 0; k < 3; k++) position[k] = (float)p[k];
-        if (!mesh->instanced) extend_bounds(in, p);
     }
     if (mesh->normal) move_vectors(&turn, mesh->normal, 3, mesh->vertices);
     if (mesh->tangent) move_vectors(world, mesh->tangent, 4, mesh->vertices);
@@ -224,14 +290,6 @@ static bool store(struct rnd_import *in, struct rnd_shape *shape)
     shape->stored = mesh->instanced = true;
     shape->stored_as = (uint32_t)(mesh - in->scene->mesh);
     if (!move_mesh(in, mesh, shape->name, &identity)) return false;
-    for (int k = 0; k < 3; k++) {
-        shape->low[k] = INFINITY;
-        shape->high[k] = -INFINITY;
-        for (uint32_t i = 0; i < mesh->vertices; i++) {
-            shape->low[k] = fminf(shape->low[k], mesh->position[3 * (size_t)i + (size_t)k]);
-            shape->high[k] = fmaxf(shape->high[k], mesh->position[3 * (size_t)i + (size_t)k]);
-        }
-    }
     return true;
 }
 
@@ -239,17 +297,9 @@ static bool add_instance(struct rnd_import *in, struct rnd_shape *shape, const s
                          const float normals[9])
 {
     struct rnd_scene *scene = in->scene;
-    for (int k = 0; k < 8; k++) { /* corners of its box bound it */
-        const float corner[3] = {k & 1 ? shape->high[0] : shape->low[0],
-                                 k & 2 ? shape->high[1] : shape->low[1],
-                                 k & 4 ? shape->high[2] : shape->low[2]};
-        double p[3];
-        rnd_affine_apply(world, corner, 1.0, p);
-        if (!in_range(p))
-            return rnd_import_fail(in, "an instance of mesh \"%.60s\" is not finite or beyond %g m",
-                                   shape->name, MAX_COORDINATE);
-        extend_bounds(in, p);
-    }
+    if (!extend_by_box(in, shape->low, shape->high, world))
+        return rnd_import_fail(in, "an instance of mesh \"%.60s\" is not finite or beyond %g m", shape->name,
+                               MAX_COORDINATE);
     if (scene->instance_count == MAX_INSTANCES) return rnd_import_fail(in, "more than 10 million instances");
     if (is_full(scene->instance_count)) {
         const size_t room = scene->instance_count ? 2 * (size_t)scene->instance_count : 1;
@@ -261,7 +311,8 @@ static bool add_instance(struct rnd_import *in, struct rnd_shape *shape, const s
     const double determinant = rnd_affine_determinant(world);
     *instance = (struct rnd_instance){
         .mesh = shape->stored_as, .scale = (float)cbrt(fabs(determinant)), .mirrors = determinant < 0.0};
-    for (int k = 0; k < 12; k++) instance->to_world[k] = (float)world->m[k];
+    for (int k = 0; k < 12; k++)
+        instance->to_world[k] = (float)(world->m[k] - (k < 9 ? 0.0 : scene->origin[k - 9]));
     memcpy(instance->normal_to_world, normals, sizeof instance->normal_to_world);
     return true;
 }
@@ -275,7 +326,8 @@ bool rnd_import_place(struct rnd_import *in, uint32_t shape_index, const struct 
     if (in->counting) {
         if (++in->places > MAX_INSTANCES)
             return rnd_import_fail(in, "meshes are in more than 10 million places");
-        shape->places++;
+        if (shape->places++ == 0) box_of(&shape->mesh, shape->low, shape->high);
+        extend_by_box(in, shape->low, shape->high, world);
         return true;
     }
     shape->places--;
@@ -313,6 +365,7 @@ bool rnd_import_light(struct rnd_import *in, struct rnd_punctual light, const st
     rnd_affine_apply(world, direction, 0.0, d);
     if (!in_range(p)) return rnd_import_fail(in, "a light is not finite or beyond %g m", MAX_COORDINATE);
     put_unit(d, unit);
+    to_own(in, p);
     light.position = rnd_v3((float)p[0], (float)p[1], (float)p[2]);
     light.direction = rnd_v3(unit[0], unit[1], unit[2]);
     lights->punctual[lights->punctual_count++] = light;
@@ -322,12 +375,11 @@ bool rnd_import_light(struct rnd_import *in, struct rnd_punctual light, const st
 bool rnd_import_nodes(struct rnd_import *in, bool (*walk)(struct rnd_import *in, void *file), void *file)
 {
     struct rnd_scene_info *info = &in->scene->info;
-    for (int k = 0; k < 3; k++) {
-        info->bounds[0][k] = INFINITY;
-        info->bounds[1][k] = -INFINITY;
-    }
+    empty_bounds(in);
     in->counting = true;
     if (!walk(in, file)) return false;
+    choose_origin(in);
+    empty_bounds(in);
     in->counting = false;
     if (!choose_shared(in) || !walk(in, file)) return false;
     if (info->triangles == 0) return rnd_import_fail(in, "holds no triangle");

@@ -22,7 +22,7 @@ struct rnd_shape {
     bool shared;          /* it is stored once, and instances stand for it */
     bool stored;          /* that has been done: as stored_as of the scene's meshes */
     uint32_t stored_as;
-    float low[3], high[3]; /* corners of its box, once it is stored */
+    float low[3], high[3]; /* corners of its box, once a place was counted */
 };
 
 struct rnd_import {

@@ -168,6 +168,58 @@ static void rectangle_far_away(void **state)
     rnd_scene_destroy(scene);
 }
 
+/* A closed room with walls of 10 cm in a white world is dark inside, however far it is from the origin. */
+static void dark_room_far_away(void **state)
+{
+    (void)state;
+    static const double far[] = {0, 1000, 10000, 50000, 1000000};
+    for (size_t i = 0; i < sizeof far / sizeof *far; i++) {
+        const double x = far[i], z = 0.5 * far[i];
+        char text[4000] = "mtllib wall.mtl\n";
+        files_text("wall.mtl", "newmtl m\nKd 0.8 0.8 0.8\n");
+        files_box(text, sizeof text, "m", (double[]){x - 2, 0, z - 2}, (double[]){x + 2, 3, z + 2});
+        files_box(text, sizeof text, "m", (double[]){x - 2.125, -0.125, z - 2.125},
+                  (double[]){x + 2.125, 3.125, z + 2.125});
+        struct rnd_scene *scene = files_load(files_text("far.obj", text), files_env("white.hdr", 1.0f), NULL,
+                                             (float[]){(float)x + 0.25f, 1.5f, (float)z + 0.25f});
+        const struct rnd_aim aim = files_aim(0.3, 0.2, -1);
+        const double inside = files_radiance(scene, "od", 0, 100000, &aim, 180, NULL);
+        print_message("a dark room %g m away: %g\n", x, inside);
+        assert_true(inside == 0.0);
+        assert_float_equal(rnd_scene_info(scene)->bounds[0][0], x - 2.125, 0.04);
+        assert_float_equal(rnd_scene_info(scene)->eye[2], z + 0.25, 0.04);
+        rnd_scene_destroy(scene);
+    }
+}
+
+/* The file's camera, its lights and its instances go with a node that is far away; what is seen is as near
+ * the origin. */
+static void far_nodes(void **state)
+{
+    (void)state;
+    static const char grey[] =
+        "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,1],\"metallicFactor\":0},"
+        "\"extensions\":{\"KHR_materials_specular\":{\"specularFactor\":0}}}";
+    static const char light[] =
+        ",\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":0.1}}],"
+        "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\",\"intensity\":8}]}}";
+    const struct rnd_aim down = files_aim(0, -1, 0);
+    for (int i = 0; i < 2; i++) {
+        char nodes[600];
+        snprintf(nodes, sizeof nodes,
+                 "{\"translation\":[%s],\"children\":[1,2,3]},{\"mesh\":0},"
+                 "{\"translation\":[0.3,0.5,0.1],\"camera\":0},"
+                 "{\"translation\":[0.3,2,0.1],\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}",
+                 i ? "50000.3,-20000.7,1000000.2" : "0,0,0");
+        struct rnd_scene *scene = files_load(files_gltf("far.gltf", 1, nodes, grey, light), NULL, NULL, NULL);
+        assert_within("floor under a lamp of a far node",
+                      files_radiance(scene, "fv", 1, 50000, &down, 10, NULL), 0.5 / M_PI * 8 / 4, 0.005);
+        assert_float_equal(rnd_scene_info(scene)->eye[0], i ? 50000.6 : 0.3, 0.01);
+        assert_float_equal(rnd_scene_info(scene)->bounds[1][2], i ? 1000001.2 : 1, 0.1);
+        rnd_scene_destroy(scene);
+    }
+}
+
 /* Punctual lights of glTF over a floor of albedo 0.5: intensity / distance^2 at normal incidence, irradiance
  * of a directional one at 60 degrees from the normal, nothing outside of a spot's cone. */
 static void punctual(void **state)
@@ -472,6 +524,8 @@ int main(void)
         cmocka_unit_test(sun_seen),
         cmocka_unit_test(rectangle_of_light),
         cmocka_unit_test(rectangle_far_away),
+        cmocka_unit_test(dark_room_far_away),
+        cmocka_unit_test(far_nodes),
         cmocka_unit_test(punctual),
         cmocka_unit_test(invisible_glass),
         cmocka_unit_test(metals),

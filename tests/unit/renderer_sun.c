@@ -35,7 +35,8 @@ static double arriving(const struct rnd_scene *scene, double azimuth_deg, double
     const double x = (0.5 + azimuth_deg / 360.0) * WIDTH, y = (0.5 - elevation_deg / 180.0) * HEIGHT,
                  down = half / 180.0 * HEIGHT + 1.0, across = down / cos(elevation_deg * M_PI / 180.0);
     double sum = 0.0;
-    const float eye[3] = {(float)scene->info.eye[0], (float)scene->info.eye[1], (float)scene->info.eye[2]};
+    float eye[3];
+    for (int k = 0; k < 3; k++) eye[k] = (float)(scene->info.eye[k] - scene->origin[k]);
     uint32_t count = 0;
     for (uint32_t row = (uint32_t)(y - down); row <= (uint32_t)(y + down); row++) {
         const double top = cos(M_PI * row / HEIGHT), bottom = cos(M_PI * (row + 1) / HEIGHT),
