@@ -1,6 +1,7 @@
 /* Scene files by assimp: OBJ and what else it reads, but for glTF. */
 #include "scene/assimp.h"
 #include "scene/material.h"
+#include "scene/mtl_file.h"
 
 #include <assimp/cimport.h>
 #include <assimp/postprocess.h>
@@ -174,11 +175,13 @@ static bool read_materials(struct rnd_import *in, const struct aiScene *file)
     scene->material_count = file->mNumMaterials;
     scene->material = calloc(scene->material_count + 1, sizeof *scene->material);
     if (!scene->material) return rnd_import_fail(in, "not enough memory");
-    for (uint32_t i = 0; i < scene->material_count; i++)
-        if (!rnd_mtl_material(scene, file, file->mMaterials[i], in->path, in->directory, &scene->material[i],
-                              in->error))
-            return false;
-    return true;
+    struct rnd_mtl_file mtl;
+    bool ok = rnd_mtl_file_read(&mtl, in->path, in->directory) || rnd_import_fail(in, "not enough memory");
+    for (uint32_t i = 0; ok && i < scene->material_count; i++)
+        ok = rnd_mtl_material(scene, file, file->mMaterials[i], in->path, in->directory, &mtl,
+                              &scene->material[i], in->error);
+    rnd_mtl_file_finish(&mtl);
+    return ok;
 }
 
 bool rnd_import_assimp(struct rnd_import *in)
@@ -196,6 +199,8 @@ bool rnd_import_assimp(struct rnd_import *in)
     for (unsigned i = 0; ok && i < file->mNumMeshes; i++) { /* shapes are meshes, in their order */
         const struct aiMesh *mesh = file->mMeshes[i];
         ok = rnd_assimp_mesh(in, mesh, mesh->mMaterialIndex, mesh->mName.data);
+        if (mesh->mPrimitiveTypes & (aiPrimitiveType_POINT | aiPrimitiveType_LINE))
+            rnd_scene_unsupported(in->scene, "points and lines");
     }
     ok = ok && rnd_import_nodes(in, walk, (void *)(uintptr_t)file);
     if (ok && file->mNumAnimations > 0)

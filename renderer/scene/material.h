@@ -6,6 +6,8 @@
 
 #include <assimp/scene.h>
 
+struct rnd_mtl_file;
+
 /* material.c: glTF's default: white, wholly metallic and rough, without a texture. */
 void rnd_material_init(struct rnd_material *material);
 /* material.c: reflectance of the non-metal at normal incidence, by way of index and tint. */
@@ -13,10 +15,10 @@ void rnd_material_set_f0(struct rnd_material *material, vec3s f0);
 /* material.c: the cheapest kind that is right for it. */
 void rnd_material_set_kind(struct rnd_material *material);
 
-/* mtl_material.c: one material of OBJ and the like. directory, "" or with a slash at its end, is where its
- * images are looked for. */
+/* mtl_material.c: one material of OBJ and the like. Its images are looked for where its library is, if mtl
+ * knows it, then in directory, "" or with a slash at its end. */
 bool rnd_mtl_material(struct rnd_scene *scene, const struct aiScene *file, const struct aiMaterial *from,
-                      const char *path, const char *directory, struct rnd_material *to,
-                      char out_error[RND_ERROR_SIZE]);
+                      const char *path, const char *directory, const struct rnd_mtl_file *mtl,
+                      struct rnd_material *to, char out_error[RND_ERROR_SIZE]);
 
 #endif

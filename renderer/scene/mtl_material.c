@@ -1,6 +1,7 @@
 /* Materials of Wavefront MTL, and of all other formats as far as assimp gives them the same keys. */
 #include "scene/find_file.h"
 #include "scene/material.h"
+#include "scene/mtl_file.h"
 
 #include <assimp/GltfMaterial.h>
 #include <assimp/ObjMaterial.h>
@@ -16,6 +17,8 @@ struct reader {
     const struct aiScene *file;
     const struct aiMaterial *from;
     const char *path, *directory;
+    const struct rnd_mtl_material *lines; /* of the library, or NULL */
+    const char *library;                  /* directory of that, "" or with a slash at its end */
     char *error;
 };
 
@@ -70,7 +73,9 @@ static bool read_map(struct reader *r, enum aiTextureType type, enum rnd_map_use
         return map->texture >= 0;
     }
     char path[RND_PATH_SIZE];
-    if (!rnd_find_file(r->directory, name.data, false, path)) return go_without(r, path, "is no plain file");
+    if (!(r->lines && rnd_find_file(r->library, name.data, false, path)) &&
+        !rnd_find_file(r->directory, name.data, false, path))
+        return go_without(r, path, "is no plain file");
     map->texture = rnd_texture_add(r->scene, path, NULL, 0, pixels, r->error);
     return map->texture >= 0;
 }
@@ -118,10 +123,38 @@ static vec3s each_side(vec3s through)
     return (vec3s){{sqrtf(through.x), sqrtf(through.y), sqrtf(through.z)}};
 }
 
+/* -s and -o of maps: v grows upwards in MTL, and downwards here. */
+static void transform_maps(const struct rnd_mtl_material *lines, struct rnd_material *to)
+{
+    static const enum rnd_map_use uses[RND_MTL_MAPS] = {[RND_MTL_KD] = RND_MAP_BASE,
+                                                        [RND_MTL_KS] = RND_MAP_SPECULAR_COLOUR,
+                                                        [RND_MTL_KE] = RND_MAP_EMISSION,
+                                                        [RND_MTL_D] = RND_MAP_COVERAGE,
+                                                        [RND_MTL_NORMAL] = RND_MAP_NORMAL};
+    for (int k = 0; k < RND_MTL_MAPS; k++) {
+        const float *s = lines->scale[k], *o = lines->offset[k];
+        const float m[6] = {s[0], 0.0f, o[0], 0.0f, s[1], 1.0f - s[1] - o[1]};
+        struct rnd_map *map = &to->map[uses[k]];
+        memcpy(map->transform, m, sizeof m);
+        map->has_transform = s[0] != 1.0f || s[1] != 1.0f || o[0] != 0.0f || o[1] != 0.0f;
+    }
+}
+
+/* Pr and Pm of the PBR extension (Clara.io 2014): glTF's roughness and metalness. */
+static void read_pbr(const struct rnd_mtl_material *lines, struct rnd_material *to)
+{
+    to->roughness = lines->pr >= 0.0f ? fminf(lines->pr, 1.0f) : 0.5f;
+    to->metallic = lines->pm >= 0.0f ? fminf(lines->pm, 1.0f) : 0.0f;
+    to->specular = 1.0f;
+}
+
 /* What is neither mirror nor glass, with a coat or without. */
 static bool read_matt(struct reader *r, bool coat, vec3s ks, float ns, struct rnd_material *to)
 {
     if (!read_map(r, aiTextureType_DIFFUSE, RND_MAP_BASE, RND_PIXELS_COLOUR, to)) return false;
+    /* assimp makes up 0.6 where there is no Kd */
+    if (r->lines && !r->lines->has_kd && to->map[RND_MAP_BASE].texture >= 0) to->base = glms_vec3_one();
+    if (r->lines && (r->lines->pr >= 0.0f || r->lines->pm >= 0.0f)) return read_pbr(r->lines, to), true;
     if (!coat) return true;
     /* Phong's exponent to GGX alpha (Walter 2007, section 5.3), then to roughness */
     to->roughness = sqrtf(sqrtf(2.0f / (ns + 2.0f)));
@@ -132,11 +165,15 @@ static bool read_matt(struct reader *r, bool coat, vec3s ks, float ns, struct rn
 /* illum 3, 5 and 8 are mirrors, 6 and 7 glass that refracts, 4 and 9 glass that does not, 2 a glossy coat
  * when Ks is not black: reflectance Ks at normal incidence, as wide as Phong's exponent Ns. */
 bool rnd_mtl_material(struct rnd_scene *scene, const struct aiScene *file, const struct aiMaterial *from,
-                      const char *path, const char *directory, struct rnd_material *to,
-                      char out_error[RND_ERROR_SIZE])
+                      const char *path, const char *directory, const struct rnd_mtl_file *mtl,
+                      struct rnd_material *to, char out_error[RND_ERROR_SIZE])
 {
-    struct reader r = {scene, file, from, path, directory, out_error};
+    struct reader r = {scene, file, from, path, directory, NULL, "", out_error};
+    struct aiString name = {0};
     int illum = 1;
+    aiGetMaterialString(from, AI_MATKEY_NAME, &name);
+    r.lines = rnd_mtl_file_find(mtl, name.data);
+    if (r.lines) r.library = mtl->directory[r.lines->library];
     aiGetMaterialIntegerArray(from, AI_MATKEY_OBJ_ILLUM, &illum, NULL);
     const vec3s ks = read_colour(&r, KEY(AI_MATKEY_COLOR_SPECULAR), glms_vec3_zero()),
                 tf = read_colour(&r, KEY(AI_MATKEY_COLOR_TRANSPARENT), glms_vec3_one()),
@@ -183,6 +220,11 @@ bool rnd_mtl_material(struct rnd_scene *scene, const struct aiScene *file, const
     if (aiGetMaterialTextureCount(from, aiTextureType_HEIGHT) > 0) rnd_scene_unsupported(scene, "bump maps");
     if (aiGetMaterialTextureCount(from, aiTextureType_SHININESS) > 0)
         rnd_scene_unsupported(scene, "maps of Phong's exponent");
+    if (r.lines) {
+        transform_maps(r.lines, to);
+        to->normal_scale = r.lines->bump;
+        if (r.lines->has_pbr_maps) rnd_scene_unsupported(scene, "map_Pr and map_Pm");
+    }
     rnd_material_set_kind(to);
     return true;
 }

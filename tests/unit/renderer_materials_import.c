@@ -1,6 +1,8 @@
 /* What scene files say of materials, maps and coverage, as it is in the scene and as it looks. */
 #include "renderer_parts.h"
 
+#include <sys/stat.h>
+
 static const char node[] = "{\"mesh\":0}";
 
 static const struct rnd_material *only(const struct rnd_scene *scene)
@@ -384,6 +386,40 @@ static void mtl(void **state)
     }
 }
 
+/* What assimp does not tell: options of maps, a map without its factor, the PBR keys, a library in a folder
+ * with its images beside it, and lines beside triangles. */
+static void mtl_of_exporters(void **state)
+{
+    (void)state;
+    char folder[600];
+    snprintf(folder, sizeof folder, "%s/sub", files_directory);
+    assert_int_equal(mkdir(folder, 0700), 0);
+    write_halves("sub/halves.png", 1, 1);
+    files_text("sub/m.mtl", "newmtl m\r\nillum 1\nmap_Kd -s 2 3 1 -o 0.25 0.5 0 halves.png\nPr 0.25\nPm 1\n"
+                            "norm -bm 0.5 halves.png\nmap_Pr halves.png\nnewmtl plain\nmap_Kd halves.png\n"
+                            "newmtl grey\nKd 0.6 0.6 0.6\nmap_Kd halves.png\n");
+    struct rnd_scene *scene = files_load(
+        files_text("far.obj",
+                   "mtllib sub/m.mtl\nv -1 0 -1\nv -1 0 1\nv 1 0 1\nvt 0 1\nvt 0 0\nvt 1 0\n"
+                   "usemtl m\nf 1/1 2/2 3/3\nusemtl plain\nf 1/1 2/2 3/3\nusemtl grey\nf 1/1 2/2 3/3\n"
+                   "l 1 2 3\n"),
+        files_env("env.exr", 1), NULL, NULL);
+    static const float moved[6] = {2, 0, 0.25f, 0, 3, -2.5f};
+    const struct rnd_material *m = &scene->material[scene->mesh[0].material];
+    assert_string_equal(rnd_scene_info(scene)->warnings, "");
+    assert_true(m->map[RND_MAP_BASE].texture >= 0 && m->map[RND_MAP_BASE].has_transform);
+    for (int k = 0; k < 6; k++) NEAR(m->map[RND_MAP_BASE].transform[k], moved[k]);
+    NEAR(m->base.x, 1), NEAR(m->roughness, 0.25), NEAR(m->metallic, 1), NEAR(m->specular, 1);
+    NEAR(m->normal_scale, 0.5);
+    assert_non_null(strstr(rnd_scene_info(scene)->unsupported, "map_Pr and map_Pm"));
+    assert_non_null(strstr(rnd_scene_info(scene)->unsupported, "points and lines"));
+    m = &scene->material[scene->mesh[1].material];
+    NEAR(m->base.x, 1);
+    assert_true(m->map[RND_MAP_BASE].texture >= 0 && !m->map[RND_MAP_BASE].has_transform);
+    NEAR(scene->material[scene->mesh[2].material].base.x, 0.6);
+    rnd_scene_destroy(scene);
+}
+
 /* Colours of 16 bits are sRGB as those of 8 are, in glTF whatever gAMA says; alpha and normals stay as they
  * are. */
 static void wide_images(void **state)
@@ -601,6 +637,7 @@ int main(void)
         cmocka_unit_test(broken_values),
         cmocka_unit_test(mtl),
         cmocka_unit_test(wide_images),
+        cmocka_unit_test(mtl_of_exporters),
         cmocka_unit_test(coverage),
         cmocka_unit_test(coverage_of_shadows),
         cmocka_unit_test(backs),
