@@ -52,7 +52,8 @@ struct ctl {
     bool ldr;
     const char *map;
     struct trk_log_options log;
-    char **operand; /* ends with NULL */
+    char **operand;   /* ends with NULL */
+    char **arguments; /* all, as they were given */
 };
 
 struct ctl_command {

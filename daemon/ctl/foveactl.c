@@ -338,7 +338,7 @@ static bool hide_negatives(int argc, char **argv)
 
 int main(int argc, char **argv)
 {
-    struct ctl ctl = {.settle = 1.5, .width = 1280, .height = 1280, .ppd = RND_FLIP_PPD};
+    struct ctl ctl = {.settle = 1.5, .width = 1280, .height = 1280, .ppd = RND_FLIP_PPD, .arguments = argv};
     const struct ctl_command *command = NULL;
     char **own = calloc((size_t)argc + 1, sizeof(*own)), error[PRO_ERROR_SIZE];
     int status = 1;

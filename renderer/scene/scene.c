@@ -8,14 +8,6 @@
 #include <pthread.h>
 #include <time.h>
 
-void rnd_direction(float azimuth, float elevation, float out_direction[3])
-{
-    const float c = cosf(elevation);
-    out_direction[0] = c * sinf(azimuth);
-    out_direction[1] = sinf(elevation);
-    out_direction[2] = -c * cosf(azimuth);
-}
-
 static double seconds(void)
 {
     struct timespec t;
