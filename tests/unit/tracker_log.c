@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <cmocka.h>
 
+#include "log/own.h"
 #include "tracker.h"
 
 #include <math.h>
@@ -341,10 +342,39 @@ static void unwritable_places(void **state)
     trk_log_finish(&log);
 }
 
+/* Every number is what printf() writes with the fewest digits, from six on, that read back as it. */
+static void fewest_digits(void **state)
+{
+    (void)state;
+    static const float edges[] = {0,         -0.f, 1,    -1,     0.1f,    9.9999997e-5f, 1e-4f, 9.9999996f,
+                                  999999.9f, 1e6f, 1e5f, 1e-45f, 3.4e38f, 123456.7f,     0.5f,  -2.5e-3f};
+    enum { EDGES = sizeof edges / sizeof *edges, COUNT = 60000 };
+    static char text[16384];
+    uint64_t noise = 1;
+    for (size_t i = 0; i < EDGES + COUNT; i++) {
+        noise = noise * 6364136223846793005u + 1442695040888963407u;
+        const int32_t drawn = (int32_t)(noise >> 32);
+        float value = i < EDGES ? edges[i]
+                      : i % 2   ? (float)drawn * 0x1p-31f
+                                : (float)(drawn % 2000000) * 1e-3f;
+        if (i % 7 == 6) memcpy(&value, &drawn, sizeof value);
+        if (!isfinite(value)) continue;
+        struct trk_sample sample = {.sequence = 1, .valid = TRK_SCREEN, .screen = {0.25f, value}};
+        char expected[32];
+        for (int digits = 6; digits <= 9; digits++) {
+            snprintf(expected, sizeof expected, " %.*g\n", digits, (double)value);
+            if (strtof(expected, NULL) == value) break;
+        }
+        assert_in_range(trk_own_row(&sample, true, text), 1, sizeof text - 1);
+        assert_string_equal(strrchr(text, ' '), expected);
+    }
+}
+
 int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, enter, leave)
     const struct CMUnitTest tests[] = {
+        TEST(fewest_digits),
         TEST(reads_back_exactly),
         TEST(unset_fields_are_not_written),
         TEST(comments_and_crlf_pass),
