@@ -48,11 +48,13 @@ uint8_t *rnd_gltf_data_uri(const char *uri, size_t *out_count)
 bool rnd_gltf_ask(struct rnd_gltf *gltf, size_t numbers, const char *where)
 {
     enum { TIMES = 64, LEAST = 100000000 };
-    gltf->asked += numbers;
-    return gltf->asked <= TIMES * gltf->bytes + LEAST ||
-           rnd_import_fail(
-               gltf->in, "%s: the file asks for the same numbers over and over: %llu, and it has %llu bytes",
-               where, (unsigned long long)gltf->asked, (unsigned long long)gltf->bytes);
+    const uint64_t asked = gltf->asked + numbers;
+    if (asked > TIMES * gltf->bytes + LEAST)
+        return rnd_import_fail(
+            gltf->in, "%s: the file asks for the same numbers over and over: %llu, and it has %llu bytes",
+            where, (unsigned long long)asked, (unsigned long long)gltf->bytes);
+    gltf->asked = asked;
+    return true;
 }
 
 /* size bytes of a file from start on. NULL with *out_there as many as there are. */
