@@ -160,11 +160,27 @@ static bool walk_node(struct rnd_import *in, const struct aiScene *file, const s
     return true;
 }
 
+/* Metres of the file's unit: FBX says how many centimetres it has, and assimp does not use that. */
+static double unit_of(const struct aiScene *file)
+{
+    const struct aiMetadata *data = file->mMetaData;
+    for (unsigned i = 0; data && i < data->mNumProperties; i++) {
+        const struct aiMetadataEntry *value = &data->mValues[i];
+        if (strcmp(data->mKeys[i].data, "UnitScaleFactor") != 0) continue;
+        const double centimetres = value->mType == AI_FLOAT    ? (double)*(const float *)value->mData
+                                   : value->mType == AI_DOUBLE ? *(const double *)value->mData
+                                                               : 0.0;
+        if (centimetres > 0.0 && isfinite(centimetres)) return 0.01 * centimetres;
+    }
+    return 1.0;
+}
+
 static bool walk(struct rnd_import *in, void *file)
 {
     const struct aiScene *scene = file;
-    const struct rnd_affine identity = rnd_affine_identity();
-    return walk_node(in, scene, scene->mRootNode, &identity, 0);
+    struct rnd_affine metres = rnd_affine_identity();
+    for (int k = 0; k < 9; k++) metres.m[k] *= unit_of(scene);
+    return walk_node(in, scene, scene->mRootNode, &metres, 0);
 }
 
 /* --- the file --- */

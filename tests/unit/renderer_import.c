@@ -6,6 +6,10 @@
 #include <ftw.h>
 #include <sys/stat.h>
 
+#include <assimp/cexport.h>
+#include <assimp/cimport.h>
+#include <assimp/scene.h>
+
 /* --- refused --- */
 
 /* A scene that must not load: one line, with the name of the file at fault and some word of the cause. */
@@ -275,6 +279,35 @@ static void transforms(void **state)
     }
 }
 
+/* FBX of centimetres, and of metres. */
+static void units(void **state)
+{
+    (void)state;
+    const struct aiScene *file =
+        aiImportFile(files_text("unit.obj", "v 0 0 0\nv 100 0 0\nv 0 0 100\nf 1 3 2\n"), 0);
+    assert_non_null(file);
+    assert_int_equal(aiExportScene(file, "fbxa", files_path("cm.fbx"), 0), aiReturn_SUCCESS);
+    aiReleaseImport(file);
+    static char text[100000], changed[100000];
+    FILE *from = fopen(files_path("cm.fbx"), "rb");
+    assert_non_null(from);
+    text[fread(text, 1, sizeof text - 1, from)] = 0;
+    fclose(from);
+    static const char key[] = "P: \"UnitScaleFactor\", \"double\", \"Number\", \"\", 1";
+    const char *at = strstr(text, key);
+    assert_non_null(at);
+    snprintf(changed, sizeof changed, "%.*s00%s", (int)(at - text + (long)strlen(key)), text,
+             at + strlen(key));
+    files_text("m.fbx", changed);
+    for (int k = 0; k < 2; k++) {
+        struct rnd_scene *scene =
+            files_load(files_path(k ? "m.fbx" : "cm.fbx"), files_env("white.hdr", 1), NULL, NULL);
+        assert_float_equal(rnd_scene_info(scene)->bounds[1][0], k ? 100 : 1, 1e-4);
+        assert_float_equal(rnd_scene_info(scene)->bounds[1][2], k ? 100 : 1, 1e-4);
+        rnd_scene_destroy(scene);
+    }
+}
+
 static void eye_and_bounds(void **state)
 {
     (void)state;
@@ -446,7 +479,8 @@ int main(void)
         cmocka_unit_test(not_there),         cmocka_unit_test(broken),      cmocka_unit_test(parts_absent),
         cmocka_unit_test(images_absent),     cmocka_unit_test(not_finite),  cmocka_unit_test(hostile),
         cmocka_unit_test(emissive_strength), cmocka_unit_test(transforms),  cmocka_unit_test(eye_and_bounds),
-        cmocka_unit_test(textures),          cmocka_unit_test(unsupported), cmocka_unit_test(blender_tests),
+        cmocka_unit_test(textures),          cmocka_unit_test(unsupported), cmocka_unit_test(units),
+        cmocka_unit_test(blender_tests),
     };
     return cmocka_run_group_tests_name("renderer_import", tests, files_setup, files_teardown);
 }
