@@ -265,6 +265,23 @@ static void ends_that_are_cut_off(void **state)
         }
 }
 
+/* As a machine that crashed leaves a file: its length is there, its last bytes are not. */
+static void zeros_at_the_end(void **state)
+{
+    (void)state;
+    static char text[3 * ROOM];
+    for (int i = 0; i < LOGS; i++) {
+        memset(text, 0, sizeof text);
+        take(logs[i].file, text);
+        const size_t size = strlen(text);
+        memset(text + size, 0, ROOM - size);
+        holds_the_same(&logs[i], "zeros", text, sizeof text, "ends in zero bytes");
+        memcpy(text + size, "12", 2);
+        holds_the_same(&logs[i], "zeros after a part of a row", text, sizeof text,
+                       "was cut off and is left out");
+    }
+}
+
 static void gzip_that_is_cut_off(void **state)
 {
     (void)state;
@@ -290,7 +307,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(ends_of_lines),         TEST(what_comes_first),         TEST(separators_that_are_named),
         TEST(decimal_commas),        TEST(decimal_commas_elsewhere), TEST(quotes),
-        TEST(ends_that_are_cut_off), TEST(gzip_that_is_cut_off),
+        TEST(ends_that_are_cut_off), TEST(zeros_at_the_end),         TEST(gzip_that_is_cut_off),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

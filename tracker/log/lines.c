@@ -42,6 +42,19 @@ static bool fill(struct trk_lines *lines, bool *out_failed, char out_error[TRK_E
     return !*out_failed && lines->filled > 0;
 }
 
+/* Is there nothing but zero bytes from there on, as a machine that crashed leaves them at a file's end? The
+ * buffer is used up if so. */
+static bool is_zero_to_end(struct trk_lines *lines, size_t at, char out_error[TRK_ERROR_SIZE])
+{
+    bool failed;
+    do {
+        for (; at < lines->filled; at++)
+            if (lines->buffer[at]) return false;
+        at = 0;
+    } while (fill(lines, &failed, out_error));
+    return !failed;
+}
+
 /* By memchr() and not getline(): a file without line ends must not decide how much memory is taken. */
 enum trk_line trk_lines_next(struct trk_lines *lines, char out_error[TRK_ERROR_SIZE])
 {
@@ -54,10 +67,8 @@ enum trk_line trk_lines_next(struct trk_lines *lines, char out_error[TRK_ERROR_S
         size_t left = lines->filled - lines->taken;
         const char *end = memchr(from, lines->end, left);
         size_t part = end ? (size_t)(end - from) : left;
-        if (memchr(from, '\0', part)) {
-            trk_lines_fail(lines, out_error, "holds a NUL byte (is it UTF-16?), expected text in UTF-8");
-            return TRK_LINE_FAILED;
-        }
+        const char *zero = memchr(from, '\0', part);
+        if (zero) part = (size_t)(zero - from);
         if (length + part > TRK_LINE_SIZE - 1) {
             trk_lines_fail(lines, out_error, "is longer than %d bytes, expected one sample a line",
                            TRK_LINE_SIZE - 1);
@@ -65,6 +76,14 @@ enum trk_line trk_lines_next(struct trk_lines *lines, char out_error[TRK_ERROR_S
         }
         memcpy(lines->text + length, from, part);
         length += part;
+        if (zero) {
+            if (lines->number == 1 || !is_zero_to_end(lines, lines->taken + part, out_error)) {
+                trk_lines_fail(lines, out_error, "holds a NUL byte (is it UTF-16?), expected text in UTF-8");
+                return TRK_LINE_FAILED;
+            }
+            lines->ends_in_zeros = true;
+            break;
+        }
         lines->taken += part + (end ? 1 : 0);
         lines->has_end = end != NULL;
     }

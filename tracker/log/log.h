@@ -45,6 +45,7 @@ struct trk_lines {
     char end;                 /* of lines: LF, or CR in a file that has no LF */
     bool has_end;             /* the line was ended, not cut off by the end of the file */
     bool is_gzip_cut;         /* the gzip data ended too soon: so did the lines */
+    bool ends_in_zeros;       /* the last line was followed by zero bytes alone, up to the end of the file */
     size_t taken, filled;     /* of buffer, bytes */
     char text[TRK_LINE_SIZE]; /* without its end (LF, CR, CR LF, CR CR LF) and mark of UTF-8; holds no NUL
                                  byte but the last */
@@ -54,7 +55,7 @@ struct trk_lines {
 enum trk_line { TRK_LINE, TRK_LINE_END, TRK_LINE_FAILED };
 
 /* Take the next line into lines->text. TRK_LINE_FAILED, with the reason in out_error: a read error, a line
- * that is too long, a NUL byte (the file is no text), damaged or oversized gzip. */
+ * that is too long, a NUL byte that is not of the file's end (it is no text), damaged or oversized gzip. */
 enum trk_line trk_lines_next(struct trk_lines *lines, char out_error[TRK_ERROR_SIZE]);
 
 /* Go back to before the first line. */
