@@ -146,46 +146,68 @@ static float most_vertex_alpha(const struct rnd_mesh *mesh, const uint32_t *inde
 /* What of a part that has that largest alpha of its vertices is there around a point of it. */
 static struct rnd_pyramid_mean covered(const struct look *look, const struct rnd_mesh *mesh,
                                        const uint32_t *index, const float point[2], float vertex_alpha,
-                                       float step)
+                                       float width)
 {
     struct rnd_pyramid_mean mean = {1.0f, 1.0f};
     if (look->coverage) {
         float uv[2];
         rnd_map_uv(look->coverage_map, mesh, index, point[0], point[1], uv);
-        mean = rnd_pyramid_mean(look->coverage, look->coverage_map->wrap, uv[0], uv[1], step);
+        mean = rnd_pyramid_mean(look->coverage, look->coverage_map->wrap, uv[0], uv[1], width);
     }
     float alpha = look->alpha * vertex_alpha;
     if (look->masks) alpha = look->coverage || alpha >= look->cutoff ? 1.0f : 0.0f;
     return (struct rnd_pyramid_mean){alpha * mean.value, alpha * alpha * mean.square};
 }
 
-/* Luminance of a part, by four points of each of its quarters. */
+/* The part of a mesh that is looked at, and texels between points that are its fourth apart. */
+struct sight {
+    const struct look *look;
+    const struct rnd_mesh *mesh;
+    const struct rnd_map *map;
+    const uint32_t *index;
+    float step, cover_step;
+};
+
+/* What arrives from around a point, but for the brightness: means over what is that many texels wider than
+ * the steps between points. */
+static struct rnd_pyramid_mean around(const struct sight *s, const float point[2], float vertex_alpha,
+                                      float wider)
+{
+    struct rnd_pyramid_mean emits = {1.0f, 1.0f}, there = {1.0f, 1.0f};
+    if (s->look->emission) {
+        float uv[2];
+        rnd_map_uv(s->map, s->mesh, s->index, point[0], point[1], uv);
+        emits = rnd_pyramid_mean(s->look->emission, s->map->wrap, uv[0], uv[1], s->step + wider);
+    }
+    if (s->look->covered)
+        there = covered(s->look, s->mesh, s->index, point, vertex_alpha, s->cover_step + wider);
+    return (struct rnd_pyramid_mean){emits.value * there.value, emits.square * there.square};
+}
+
+/* Luminance of a part, by four points of each of its quarters. Light beyond the outermost of them is in what
+ * is wider by a texel: a little of that makes sure that what shines anywhere has some weight. */
 static struct rnd_pyramid_mean shine(const struct builder *b, const struct rnd_area *area, struct part part)
 {
     const struct rnd_mesh *mesh = &b->scene->mesh[area->mesh];
     const struct look *look = &b->look[area->mesh];
-    const struct rnd_map *map = &b->scene->material[mesh->material].map[RND_MAP_EMISSION];
-    const uint32_t *index = mesh->index[area->triangle];
-    const float step = look->emission ? spacing(map, look->emission, mesh, index, part.side) : 0.0f,
-                cover_step = look->coverage
-                                 ? spacing(look->coverage_map, look->coverage, mesh, index, part.side)
-                                 : 0.0f;
+    struct sight sight = {.look = look,
+                          .mesh = mesh,
+                          .map = &b->scene->material[mesh->material].map[RND_MAP_EMISSION],
+                          .index = mesh->index[area->triangle]};
+    if (look->emission) sight.step = spacing(sight.map, look->emission, mesh, sight.index, part.side);
+    if (look->coverage)
+        sight.cover_step = spacing(look->coverage_map, look->coverage, mesh, sight.index, part.side);
     struct rnd_pyramid_mean sum = {0};
     for (int k = 0; k < 4; k++) {
         const struct part quarter = quarter_of(part, k);
-        const float alpha = most_vertex_alpha(mesh, index, quarter);
+        const float alpha = most_vertex_alpha(mesh, sight.index, quarter);
         for (int i = 0; i < 4; i++) {
             const struct part p = quarter_of(quarter, i);
             const float point[2] = {p.u + p.side / 3.0f, p.v + p.side / 3.0f};
-            struct rnd_pyramid_mean emits = {1.0f, 1.0f}, there = {1.0f, 1.0f};
-            if (look->emission) {
-                float uv[2];
-                rnd_map_uv(map, mesh, index, point[0], point[1], uv);
-                emits = rnd_pyramid_mean(look->emission, map->wrap, uv[0], uv[1], step);
-            }
-            if (look->covered) there = covered(look, mesh, index, point, alpha, cover_step);
-            sum.value += emits.value * there.value / 16.0f;
-            sum.square += emits.square * there.square / 16.0f;
+            const struct rnd_pyramid_mean own = around(&sight, point, alpha, 0.0f),
+                                          more = around(&sight, point, alpha, 1.0f);
+            sum.value += own.value / 16.0f;
+            sum.square += (own.square + 1e-3f * more.square) / 16.0f;
         }
     }
     return (struct rnd_pyramid_mean){look->brightness * sum.value,

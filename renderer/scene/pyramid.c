@@ -92,10 +92,10 @@ bool rnd_pyramid_is(const struct rnd_pyramid *pyramid, const struct rnd_pyramid_
 }
 
 struct rnd_pyramid_mean rnd_pyramid_mean(const struct rnd_pyramid *pyramid, const uint8_t wrap[2], float u,
-                                         float v, float spacing)
+                                         float v, float least_side)
 {
     int l = 0;
-    while (l + 1 < pyramid->levels && (float)(1 << l) < spacing) l++;
+    while (l + 1 < pyramid->levels && (float)(1 << l) < least_side) l++;
     const struct rnd_level *level = &pyramid->level[l];
     const float square = 1.0f / (float)(1 << l);
     const float x = rnd_wrap(u, wrap[0]) * (float)pyramid->level[0].width * square - 0.5f,

@@ -25,9 +25,9 @@ void rnd_pyramid_destroy(struct rnd_pyramid *pyramid); /* accepts NULL */
 void rnd_pyramid_size(const struct rnd_pyramid *pyramid, int out_size[2]);
 bool rnd_pyramid_is(const struct rnd_pyramid *pyramid, const struct rnd_pyramid_of *of);
 
-/* Mean around texture coordinates (u, v), bilinear between squares that are at least spacing texels wide:
- * what bilinear look-ups anywhere within spacing texels of it can meet is in it. */
+/* Mean around texture coordinates (u, v), bilinear between squares of at least that many texels a side: of
+ * all that is nearer than their side. */
 struct rnd_pyramid_mean rnd_pyramid_mean(const struct rnd_pyramid *pyramid, const uint8_t wrap[2], float u,
-                                         float v, float spacing);
+                                         float v, float least_side);
 
 #endif
