@@ -33,6 +33,8 @@ static const char HELP[] =
     "  --bounces N             longest path; 0, the default: Russian roulette alone ends a path\n"
     "  --clamp L               clamp light that comes by way of a second surface to this luminance: fewer bright specks, and\n"
     "                          a darker picture; default: nothing is clamped\n"
+    "  --clear-glass           let light straight through thick glass, rough up to 0.25: windows and bulbs light a room at\n"
+    "                          once, without caustics; default: light behind such glass is found by chance\n"
     "  --seed N                of all random numbers; 0\n"
     "  --threads N             that trace paths; one a processor\n"
     "\n"
@@ -212,6 +214,7 @@ static const struct option LONG[] = {
     {"size", required_argument, NULL, 'z'},   {"bounces", required_argument, NULL, 'b'},
     {"seed", required_argument, NULL, 'd'},   {"env-turn", required_argument, NULL, 'T'},
     {"clamp", required_argument, NULL, 'K'},  {"display-ppd", required_argument, NULL, 'D'},   {"threads", required_argument, NULL, 't'},
+    {"clear-glass", no_argument, NULL, 'G'},
     {"gaze", required_argument, NULL, 'g'},   {"list-trackers", no_argument, NULL, 'L'},
     {"screen", required_argument, NULL, 'S'}, {"calibration", required_argument, NULL, 'C'},
     {"raw-gaze", no_argument, NULL, 'W'},     {"predict", no_argument, NULL, 'P'},
@@ -257,6 +260,8 @@ static bool take(struct parser *p, int option, const char *text)
             return refuse("--clamp wants a luminance above 0, not '%s'", text);
         out->render.firefly = (float)number;
         break;
+    case 'G':
+        return out->scene.clear_glass = true;
     case 'D':
         if (!dmn_parse_numbers(text, 1, &number) || number < 1 || number > 1000)
             return refuse("--display-ppd wants pixels a degree, 1 to 1000, not '%s'", text);

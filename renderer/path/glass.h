@@ -53,6 +53,32 @@ static inline float rnd_pane_reflects(const struct rnd_material *material, float
     return reflected;
 }
 
+/* --- clear glass ---
+ *
+ * Glass that refracts or is rough hides what is behind it from shadow rays. Where the scene is loaded with
+ * clear glass, Embree's filters let shadow rays pass, and clear.c weighs them by what the glass lets through.
+ */
+
+/* Rougher glass scatters so widely that its own drawn lights find what is behind it, and more of the light in
+ * it comes out after further bounces than a straight way knows. */
+#define RND_CLEAR_ROUGHNESS 0.25f
+
+static inline bool rnd_is_clear(const struct rnd_scene *scene, uint32_t mesh)
+{
+    const struct rnd_material *material = &scene->material[scene->mesh[mesh].material];
+    return scene->clear_glass && material->kind == RND_RICH && material->transmission > 0.0f &&
+           material->alpha_mode == RND_OPAQUE && material->roughness <= RND_CLEAR_ROUGHNESS &&
+           !rnd_is_pane(&scene->mesh[mesh], material);
+}
+
+/* clear.c: of a scene with such glass, the share of light that comes straight along a ray of that length;
+ * and whether there is any of it on the way. */
+struct rnd_v3 rnd_clear_transmittance(const struct rnd_scene *scene, struct rnd_v3 origin,
+                                      struct rnd_v3 direction, float distance, bool *out_any);
+/* Is there none? */
+bool rnd_clear_is_free(const struct rnd_scene *scene, struct rnd_v3 origin, struct rnd_v3 direction,
+                       float distance);
+
 /* --- rough glass --- */
 
 struct rnd_glass;

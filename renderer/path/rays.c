@@ -6,6 +6,7 @@
  * What is one-sided is not there for an eye that looks at its back: glTF's back-face culling (glTF 2.0,
  * section 3.9.6), which speaks of what is seen. For light every surface has two sides, or walls that are
  * culled for a view into a room would let the sky in. */
+#include "path/glass.h"
 #include "path/tape.h"
 #include "path/wave.h"
 
@@ -164,6 +165,22 @@ void rnd_pass_backs(struct rnd_tracer *tracer, const struct rnd_paths *paths, ui
 
 /* --- shadows --- */
 
+/* Weigh a shadow ray that found nothing but clear glass in its way. */
+static void pass_glass(struct rnd_tracer *tracer, uint32_t i)
+{
+    struct rnd_shadows *s = &tracer->shadows;
+    const struct rnd_v3 from = rnd_get(&s->origin, i), to = rnd_get(&s->direction, i);
+    struct rnd_v3 left = {0, 0, 0};
+    bool any;
+    if (s->through[i] > 0.0f) {
+        left = rnd_clear_transmittance(tracer->scene, from, to, s->distance[i], &any);
+        if (any) left = rnd_v3_scale(left, s->through[i]);
+    } else if (rnd_clear_is_free(tracer->scene, from, to, s->distance[i])) {
+        left = rnd_v3(1, 1, 1);
+    }
+    rnd_put(&s->radiance, i, rnd_v3_mul(rnd_get(&s->radiance, i), left));
+}
+
 void rnd_occlude(struct rnd_tracer *tracer)
 {
     struct rnd_shadows *s = &tracer->shadows;
@@ -181,6 +198,7 @@ void rnd_occlude(struct rnd_tracer *tracer)
         for (uint32_t k = 0; k < n; k++) {
             const uint32_t i = order[first + k];
             if (packet.rays.ray.tfar[k] < 0.0f) continue;
+            if (tracer->scene->clear_tree) pass_glass(tracer, i);
             io->radiance[0][s->id[i]] += s->radiance.x[i];
             io->radiance[1][s->id[i]] += s->radiance.y[i];
             io->radiance[2][s->id[i]] += s->radiance.z[i];

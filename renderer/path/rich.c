@@ -287,6 +287,12 @@ vec3s rnd_rich_bsdf(const struct rnd_surface *surface, vec3s wo, vec3s wi, float
     return evaluate(&v, wi, out_pdf);
 }
 
+vec3s rnd_rich_through(const struct rnd_surface *surface, vec3s wo)
+{
+    const struct view v = view_of(surface, wo);
+    return rnd_from_v3(rnd_v3_scale(part(&v, v.wo.z).through, v.glass_share));
+}
+
 /* Where light passes a facet with normal h. */
 static struct rnd_v3 pass(const struct view *v, struct rnd_v3 h, float cos_t)
 {

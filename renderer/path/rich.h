@@ -21,4 +21,8 @@ vec3s rnd_rich_bsdf(const struct rnd_surface *surface, vec3s wo, vec3s wi, float
 bool rnd_rich_draw(const struct rnd_surface *surface, vec3s wo, const float u[3],
                    struct rnd_bsdf_sample *out);
 
+/* What goes straight through a surface that transmits, seen from without, as if it were smooth and its two
+ * sides parallel. */
+vec3s rnd_rich_through(const struct rnd_surface *surface, vec3s wo);
+
 #endif

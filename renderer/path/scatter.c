@@ -16,12 +16,13 @@ enum { SURE_BOUNCES = 1 };
 
 /* What a chosen light brings if it is not hidden, from what of it the surface scatters (times cosine), and
  * the density with which the surface would have drawn its direction; 0 if that is nothing. */
-RND_INLINE struct rnd_v3 brought(const struct rnd_tracer *tracer, size_t j, struct rnd_v3 f, float pdf)
+RND_INLINE struct rnd_v3 brought(struct rnd_tracer *tracer, size_t j, struct rnd_v3 f, float pdf)
 {
     const struct rnd_light_choices *lights = &tracer->lights;
     const float chosen = lights->pdf[j], safe = rnd_larger(chosen, 1e-37f);
     const float both = lights->delta[j] ? 1.0f : rnd_power_heuristic(safe, pdf);
     const float weight = chosen > 0.0f ? both / safe : 0.0f;
+    tracer->scatters.share[j] = both;
     return rnd_v3_scale(
         rnd_v3_mul(rnd_v3_mul(f, rnd_get(&lights->radiance, j)), rnd_get(&tracer->paths[1].throughput, j)),
         weight);
@@ -123,6 +124,41 @@ static void metal_rough(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
         if (folds[j]) folded(tracer, j);
 }
 
+/* --- clear glass ---
+ *
+ * Where glass is clear, lights that a surface draws reach it straight through glass. What paths from there
+ * would find behind the glass by chance is then left out: a path that only passes glass after the surface
+ * stands for light that was drawn. Reflections on glass are no part of that, so they are found as ever; and
+ * glass itself draws no light through other glass. */
+
+/* A density by which all that a drawn light could have found has no weight, and what it could not has all. */
+#define LEFT_OUT 1e-37f
+
+/* Is the light of point j one that paths to here stand for already? */
+static bool is_drawn_before(const struct rnd_tracer *tracer, uint32_t j)
+{
+    return tracer->scene->clear_tree && tracer->paths[1].stood_for[j] &&
+           rnd_is_clear(tracer->scene, tracer->surfaces.mesh[j]) &&
+           rnd_v3_dot(rnd_get(&tracer->lights.direction, j), rnd_get(&tracer->surfaces.geometric, j)) < 0.0f;
+}
+
+/* What the paths of points begin to end stand for, by their new directions. */
+static void stand_for(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
+{
+    struct rnd_scatters *way = &tracer->scatters;
+    uint32_t *stood_for = tracer->paths[1].stood_for;
+    for (uint32_t j = begin; j < end; j++) {
+        if (!rnd_is_clear(tracer->scene, tracer->surfaces.mesh[j])) {
+            stood_for[j] = way->pdf[j] > 0.0f;
+            continue;
+        }
+        const bool passes =
+            rnd_v3_dot(rnd_get(&way->direction, j), rnd_get(&tracer->surfaces.geometric, j)) < 0.0f;
+        stood_for[j] &= passes;
+        if (stood_for[j] && way->pdf[j] >= 0.0f) way->pdf[j] = LEFT_OUT;
+    }
+}
+
 /* --- rich materials: one at a time --- */
 
 static void rich(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
@@ -134,7 +170,7 @@ static void rich(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
         const vec3s wo = glms_vec3_negate(rnd_from_v3(rnd_get(&tracer->paths[1].direction, j)));
         struct rnd_bsdf_sample sample;
         struct rnd_v3 light = {0, 0, 0};
-        if (lights->pdf[j] > 0.0f) {
+        if (lights->pdf[j] > 0.0f && !is_drawn_before(tracer, j)) {
             float pdf;
             const vec3s f = rnd_bsdf(surface, wo, rnd_from_v3(rnd_get(&lights->direction, j)), &pdf);
             if (glms_vec3_max(f) > 0.0f) light = brought(tracer, j, rnd_to_v3(f), pdf);
@@ -193,6 +229,9 @@ static void cast_shadows(struct rnd_tracer *tracer, uint32_t count)
         to->id[i] = paths->id[j];
         rnd_put(&to->radiance, i, rnd_clamp_firefly(rnd_get(&tracer->scatters.brought, j), limit));
     }
+    for (uint32_t i = 0; tracer->scene->clear_tree && i < n; i++)
+        to->through[i] =
+            rnd_is_clear(tracer->scene, s->mesh[order[i]]) ? 0.0f : 1.0f / tracer->scatters.share[order[i]];
 }
 
 /* Throughput after the surface, and Russian roulette: a density below zero ends the path. */
@@ -249,6 +288,8 @@ static uint32_t go_on(struct rnd_tracer *tracer, uint32_t count)
         to->index[i] = from->index[j];
         to->id[i] = from->id[j];
     }
+    for (uint32_t i = 0; tracer->scene->clear_tree && i < alive; i++)
+        to->stood_for[i] = from->stood_for[order[i]];
     return alive;
 }
 
@@ -263,6 +304,7 @@ uint32_t ISA(rnd_scatter)(struct rnd_tracer *tracer, uint32_t count)
     draw_matt(tracer, 0, end[RND_DIFFUSE]);
     metal_rough(tracer, end[RND_DIFFUSE], end[RND_METAL_ROUGH]);
     rich(tracer, end[RND_METAL_ROUGH], end[RND_RICH]);
+    if (tracer->scene->clear_tree) stand_for(tracer, 0, count);
     cast_shadows(tracer, count);
     weigh(tracer, count);
     return go_on(tracer, count);

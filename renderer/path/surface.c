@@ -107,6 +107,8 @@ static void gather(struct rnd_tracer *tracer, const uint32_t *order, uint32_t co
         to->index[j] = from->index[i];
         to->id[j] = from->id[i];
     }
+    for (uint32_t j = 0; tracer->scene->clear_tree && j < count; j++)
+        to->stood_for[j] = from->stood_for[order[j]];
 #pragma GCC ivdep
     for (size_t j = 0; j < count; j++) {
         const uint32_t i = order[j];

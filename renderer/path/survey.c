@@ -6,6 +6,7 @@
  * from a room. The same holds for the regions of the environment, which a room sees through its windows, and
  * for the lamps of a house, most of which burn in other rooms. A few thousand paths from the eye ask all
  * groups at every point and see. What they find changes the noise and never the mean. */
+#include "path/glass.h"
 #include "path/shade.h"
 #include "render.h"
 #include "sampler.h"
@@ -51,6 +52,18 @@ static struct RTCRay ray(vec3s origin, vec3s direction, float far)
                            .mask = UINT32_MAX};
 }
 
+/* Share of the light along a shadow ray that comes through glass to a surface; none to one that is glass. */
+static float through_glass(const struct rnd_scene *scene, const struct rnd_surface *surface,
+                           const struct RTCRay *shadow)
+{
+    const struct rnd_v3 from = {shadow->org_x, shadow->org_y, shadow->org_z},
+                        to = {shadow->dir_x, shadow->dir_y, shadow->dir_z};
+    bool any;
+    if (surface->material->kind == RND_RICH && surface->material->transmission > 0.0f)
+        return rnd_clear_is_free(scene, from, to, shadow->tfar) ? 1.0f : 0.0f;
+    return rnd_v3_luminance(rnd_clear_transmittance(scene, from, to, shadow->tfar, &any));
+}
+
 /* Luminance that a group gives to a surface if it is asked, weighted as the integrator weights it. *out_light
  * is what was drawn, if it gives anything. */
 static float ask(const struct survey *survey, int group, const struct rnd_surface *surface, vec3s wo,
@@ -73,7 +86,8 @@ static float ask(const struct survey *survey, int group, const struct rnd_surfac
         const vec3s rest = glms_vec3_sub(glms_vec3_muladds(to, light->distance, p), from);
         shadow = ray(from, glms_vec3_normalize(rest), glms_vec3_norm(rest) * (1.0f - 1e-4f));
     }
-    return rnd_embree_occluded1(scene->tree, &shadow) ? 0.0f : given;
+    if (rnd_embree_occluded1(scene->tree, &shadow)) return 0.0f;
+    return scene->clear_tree ? given * through_glass(scene, surface, &shadow) : given;
 }
 
 /* A path left along a direction that was drawn with density pdf (0: the only one), with that throughput. */

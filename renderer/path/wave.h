@@ -38,6 +38,9 @@ struct rnd_paths {
     rnd_floats width;
     rnd_words seed, index; /* address of its random numbers */
     rnd_words id;          /* which of the wave's answers is its */
+    /* In scenes with clear glass: lights that are drawn stand for what the path finds behind the glass that
+     * it passes: 0 or 1. */
+    rnd_words stood_for;
 };
 
 /* What rays hit, in the order of the paths that they belong to. */
@@ -77,6 +80,7 @@ struct rnd_areas {
 /* What surfaces do: with the chosen light, and where the paths go on. */
 struct rnd_scatters {
     struct rnd_vectors brought; /* radiance that the path brings if the light is not hidden */
+    rnd_floats share;           /* of it, in what both ways that find the light bring together */
     struct rnd_vectors direction, weight;
     rnd_floats pdf; /* of the direction; 0: a single direction; negative: the path ends */
 };
@@ -98,6 +102,9 @@ struct rnd_shadows {
     uint32_t count;
     struct rnd_vectors origin, direction, radiance;
     rnd_floats distance;
+    /* In scenes with clear glass, for light that comes through it: by what its radiance counts more, since no
+     * path finds it by chance; 0: it does not come through. */
+    rnd_floats through;
     rnd_words id; /* as of paths */
 };
 

@@ -1,6 +1,7 @@
 /* Embree: one tree over all triangles of the world, where geometry ids are mesh indices; meshes that are seen
  * many times have a tree of their own, and an instance of it, numbered after the meshes, for each time.
  */
+#include "path/glass.h"
 #include "scene/scene.h"
 
 #include <stdio.h>
@@ -24,14 +25,29 @@ static void attach_mesh(const struct rnd_scene *scene, uint32_t i, RTCScene tree
     rtcReleaseGeometry(geometry);
 }
 
-static void attach_instance(const struct rnd_scene *scene, uint32_t i, RTCScene part)
+static void attach_instance(const struct rnd_scene *scene, uint32_t i, RTCScene part, RTCScene tree)
 {
     RTCGeometry geometry = rtcNewGeometry(scene->device, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(geometry, part);
     rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, scene->instance[i].to_world);
     rtcCommitGeometry(geometry);
-    rtcAttachGeometryByID(scene->tree, geometry, scene->mesh_count + i);
+    rtcAttachGeometryByID(tree, geometry, scene->mesh_count + i);
     rtcReleaseGeometry(geometry);
+}
+
+/* The tree of clear glass alone, if there is any. */
+static void build_glass(struct rnd_scene *scene, RTCScene *part)
+{
+    bool any = false;
+    for (uint32_t i = 0; i < scene->mesh_count; i++) any |= rnd_is_clear(scene, i);
+    if (!any) return;
+    scene->clear_tree = rtcNewScene(scene->device);
+    for (uint32_t i = 0; i < scene->mesh_count; i++)
+        if (rnd_is_clear(scene, i) && !scene->mesh[i].instanced) attach_mesh(scene, i, scene->clear_tree, i);
+    for (uint32_t i = 0; i < scene->instance_count; i++)
+        if (rnd_is_clear(scene, scene->instance[i].mesh))
+            attach_instance(scene, i, part[scene->instance[i].mesh], scene->clear_tree);
+    rtcCommitScene(scene->clear_tree);
 }
 
 bool rnd_accel_build(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE])
@@ -64,7 +80,8 @@ bool rnd_accel_build(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE])
         rtcCommitScene(part[i]);
     }
     for (uint32_t i = 0; i < scene->instance_count; i++)
-        attach_instance(scene, i, part[scene->instance[i].mesh]);
+        attach_instance(scene, i, part[scene->instance[i].mesh], scene->tree);
+    build_glass(scene, part);
     for (uint32_t i = 0; i < scene->mesh_count; i++)
         if (part[i]) rtcReleaseScene(part[i]); /* its instances hold it */
     free(part);

@@ -16,6 +16,7 @@ struct rnd_alpha {
     const struct rnd_mesh *mesh; /* NULL: it is there everywhere */
     const struct rnd_material *material;
     const struct rnd_texture *texture;
+    bool clear; /* shadow rays pass */
 };
 
 /* --- coverage --- */
@@ -52,7 +53,7 @@ static float chance(const struct rnd_material *material, float there)
 bool rnd_has_coverage(const struct rnd_scene *scene, uint32_t mesh)
 {
     const struct rnd_alpha *alpha = &scene->alpha[mesh];
-    return alpha->mesh && !rnd_is_pane(alpha->mesh, alpha->material);
+    return alpha->mesh && !alpha->clear && !rnd_is_pane(alpha->mesh, alpha->material);
 }
 
 float rnd_coverage(const struct rnd_scene *scene, uint32_t mesh, uint32_t triangle, float u, float v)
@@ -150,6 +151,11 @@ static void pane_filter(const struct RTCFilterFunctionNArguments *args)
     }
 }
 
+static void clear_filter(const struct RTCFilterFunctionNArguments *args)
+{
+    for (unsigned i = 0; i < args->N; i++) args->valid[i] = 0;
+}
+
 /* Can a texture's coverage be less than whole? */
 static bool has_holes(const struct rnd_texture *texture, int channel)
 {
@@ -184,6 +190,7 @@ bool rnd_alpha_build(struct rnd_scene *scene)
         const struct rnd_material *material = &scene->material[mesh->material];
         if (rnd_is_pane(mesh, material))
             scene->alpha[i] = (struct rnd_alpha){.scene = scene, .mesh = mesh, .material = material};
+        if (rnd_is_clear(scene, i)) scene->alpha[i] = (struct rnd_alpha){.mesh = mesh, .clear = true};
         if (material->alpha_mode == RND_OPAQUE) continue;
         const float whole = material->alpha_mode == RND_MASK ? material->alpha_cutoff : 1.0f;
         if (material->alpha >= whole && !texture[mesh->material] && !mesh->colour) continue;
@@ -198,6 +205,10 @@ void rnd_alpha_attach(const struct rnd_scene *scene, uint32_t mesh, RTCGeometry 
 {
     struct rnd_alpha *alpha = &scene->alpha[mesh];
     if (!alpha->mesh) return;
+    if (alpha->clear) {
+        rtcSetGeometryOccludedFilterFunction(geometry, clear_filter);
+        return;
+    }
     const RTCFilterFunctionN passes =
         rnd_is_pane(alpha->mesh, alpha->material) ? pane_filter : coverage_filter;
     rtcSetGeometryUserData(geometry, alpha);

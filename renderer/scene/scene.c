@@ -177,6 +177,17 @@ enum rnd_textures rnd_scene_take_textures(struct rnd_scene *scene, const char **
 
 /* --- all --- */
 
+/* A tinted pane is clear glass too, whose shadow rays are then weighed by each colour's share: as a pane it
+ * lets pass what all colours share. */
+static void clear_glass(struct rnd_scene *scene)
+{
+    scene->clear_glass = true;
+    for (uint32_t i = 0; i < scene->material_count; i++) {
+        struct rnd_material *m = &scene->material[i];
+        if (glms_vec3_max(m->base) > glms_vec3_min(m->base)) m->pane = false;
+    }
+}
+
 struct rnd_scene *rnd_scene_load(const struct rnd_scene_options *options, char out_error[RND_ERROR_SIZE])
 {
     const double start = seconds();
@@ -186,6 +197,7 @@ struct rnd_scene *rnd_scene_load(const struct rnd_scene_options *options, char o
         return NULL;
     }
     if (!rnd_import(scene, options->path, out_error)) goto fail;
+    if (options->clear_glass) clear_glass(scene);
     if (options->env_path && !rnd_env_load(scene, options->env_path, options->env_azimuth, out_error))
         goto fail;
     if (options->has_sun) {
@@ -235,6 +247,7 @@ void rnd_scene_destroy(struct rnd_scene *scene)
         pthread_join(scene->reader, NULL);
     }
     if (scene->tree) rtcReleaseScene(scene->tree);
+    if (scene->clear_tree) rtcReleaseScene(scene->clear_tree);
     if (scene->device) rtcReleaseDevice(scene->device);
     rnd_lights_finish(&scene->lights);
     for (uint32_t i = 0; i < scene->mesh_count; i++) rnd_mesh_finish(&scene->mesh[i]);

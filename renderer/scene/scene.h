@@ -137,6 +137,8 @@ struct rnd_scene {
     struct rnd_alpha *alpha; /* of the meshes that are not there everywhere, for Embree's filters */
     RTCDevice device;
     RTCScene tree;
+    bool clear_glass;    /* as struct rnd_scene_options has it */
+    RTCScene clear_tree; /* of the meshes that rnd_is_clear(), with the ids of tree; NULL: there are none */
 
     /* While textures are read: the materials with all their maps; material are those that do without. */
     struct rnd_material *textured;

@@ -101,7 +101,7 @@ static void everything_said(void **state)
     (void)state;
     run("--scene a.obj --env e.hdr --sun -30,45.5,3,0.53 --eye -1,2,3.5 --gaze replay:g --speed 2 --loop "
         "--mode vp "
-        "--fov 90,80 --size 1024x512 --threads 3 --seed 18446744073709551615 --bounces 7 --clamp 2.5 --listen unix:/a/b "
+        "--fov 90,80 --size 1024x512 --threads 3 --seed 18446744073709551615 --bounces 7 --clamp 2.5 --clear-glass --listen unix:/a/b "
         "--listen tcp:127.0.0.1:9 --json --watch",
         &o);
     assert_true(o.watch);
@@ -116,6 +116,7 @@ static void everything_said(void **state)
     assert_true(o.render.seed == UINT64_MAX);
     assert_int_equal(o.render.max_bounces, 7);
     assert_float_equal(o.render.firefly, 2.5, 0);
+    assert_true(o.scene.clear_glass);
     assert_int_equal(o.listens, 2);
     assert_int_equal(o.listen[1].port, 9);
     finish(&o);

@@ -1,0 +1,81 @@
+/* Light straight through glass: an approximation, for shadow rays alone.
+ *
+ * Each surface lets through what it would of a ray that runs without as the shadow ray does: the two sides of
+ * a window are parallel, so that the angle within, which the ray does not take, is that of no surface's
+ * without. Volumes absorb over the way between. */
+#include "path/glass.h"
+#include "path/rich.h"
+
+/* Surfaces that light gets through: what is behind more is dark. */
+enum { MOST_SURFACES = 64 };
+
+static bool next_surface(const struct rnd_scene *scene, struct rnd_v3 origin, struct rnd_v3 direction,
+                         float near, float far, struct RTCRayHit *out)
+{
+    *out =
+        (struct RTCRayHit){.ray = {.org_x = origin.x,
+                                   .org_y = origin.y,
+                                   .org_z = origin.z,
+                                   .dir_x = direction.x,
+                                   .dir_y = direction.y,
+                                   .dir_z = direction.z,
+                                   .tnear = near,
+                                   .tfar = far,
+                                   .mask = UINT32_MAX},
+                           .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}}};
+    rnd_embree_intersect1(scene->clear_tree, out);
+    return out->hit.geomID != RTC_INVALID_GEOMETRY_ID;
+}
+
+bool rnd_clear_is_free(const struct rnd_scene *scene, struct rnd_v3 origin, struct rnd_v3 direction,
+                       float distance)
+{
+    struct RTCRayHit hit;
+    return !next_surface(scene, origin, direction, 0.0f, distance, &hit);
+}
+
+static struct rnd_surface surface_at(const struct rnd_scene *scene, const struct RTCRayHit *hit,
+                                     struct rnd_v3 direction)
+{
+    struct rnd_surface surface;
+    uint32_t mesh;
+    const struct rnd_instance *instance = rnd_resolve_hit(scene, hit->hit.geomID, hit->hit.instID[0], &mesh);
+    rnd_surface_at(scene,
+                   &(struct rnd_hit){.mesh = mesh,
+                                     .instance = instance,
+                                     .triangle = hit->hit.primID,
+                                     .u = hit->hit.u,
+                                     .v = hit->hit.v,
+                                     .distance = hit->ray.tfar,
+                                     .normal = {{hit->hit.Ng_x, hit->hit.Ng_y, hit->hit.Ng_z}}},
+                   rnd_from_v3(direction), &surface);
+    return surface;
+}
+
+struct rnd_v3 rnd_clear_transmittance(const struct rnd_scene *scene, struct rnd_v3 origin,
+                                      struct rnd_v3 direction, float distance, bool *out_any)
+{
+    const vec3s wo = glms_vec3_negate(rnd_from_v3(direction));
+    vec3s left = glms_vec3_one();
+    struct rnd_surface surface;
+    struct RTCRayHit hit;
+    float last = 0.0f, near = 0.0f; /* where the ray met the last surface, and where the next may be */
+    bool inside = false;
+    *out_any = false;
+    for (int i = 0; next_surface(scene, origin, direction, near, distance, &hit); i++) {
+        if (i == MOST_SURFACES || !(glms_vec3_max(left) > 0.0f)) return rnd_v3(0, 0, 0);
+        surface = surface_at(scene, &hit, direction);
+        left = glms_vec3_mul(left, rnd_transmittance(&surface, hit.ray.tfar - last));
+        inside = surface.front;
+        *out_any = true;
+        surface.front = true;
+        left = glms_vec3_mul(left, rnd_rich_through(&surface, wo));
+        last = hit.ray.tfar;
+        near = last + 1e-6f + 1e-5f * last;
+    }
+    if (inside && distance < INFINITY) { /* the light is */
+        surface.front = false;
+        left = glms_vec3_mul(left, rnd_transmittance(&surface, distance - last));
+    }
+    return rnd_to_v3(left);
+}
