@@ -75,7 +75,7 @@ refused 'is the log itself' convert --replace "$dir/t/a.gaze" "$dir/t/a.gaze"
 refused 'is the log itself' convert --replace "$dir/t/l.gaze" "$dir/t/a.gaze"
 refused 'is the log itself' convert --replace "$dir/t/a.gaze" "$dir/t/l.gaze"
 refused 'is the log itself' convert --replace "$dir/t/a.gaze" "$dir/t/h.gaze"
-refused 'is the log itself' convert --replace "$dir/t/a.gaze" "$dir/t/folder/../folder/a.gaze"
+refused 'is the log itself' convert --replace "$dir/t/a.gaze" "$dir/t/folder/./folder/a.gaze"
 cd "$dir/t"
 refused 'is the log itself' convert a.gaze ./a.gaze
 refused 'is the log itself' convert "$dir/t/a.gaze" a.gaze
