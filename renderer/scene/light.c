@@ -156,8 +156,7 @@ static bool build_punctual(struct rnd_scene *scene, double *out_power)
     return ok;
 }
 
-/* Is there a surface that an eye sees without a light: one that is unlit, or emits where it is there at all?
- */
+/* Is there a surface that an eye sees without a light: an unlit one, or one that emits? */
 static bool shows_itself(const struct rnd_scene *scene)
 {
     for (uint32_t m = 0; m < scene->mesh_count; m++) {

@@ -1,11 +1,11 @@
 # End-to-end tests: the real programs, run by scripts, with what scripts cannot do as small programs.
-foreach(program compare golden hostile moves notified picture port)
+foreach(program compare golden hostile mean moves notified picture port)
   add_executable(e2e_${program} e2e/${program}.c)
 endforeach()
 foreach(program hostile moves)
   target_link_libraries(e2e_${program} PRIVATE protocol m)
 endforeach()
-foreach(program compare golden picture)
+foreach(program compare golden mean picture)
   target_link_libraries(e2e_${program} PRIVATE renderer m)
 endforeach()
 
@@ -18,9 +18,9 @@ set_tests_properties(e2e_attention e2e_hostile e2e_move e2e_record e2e_shutdown 
 
 # What a new user types first, real scenes and many small ones; they take long, so once is enough.
 if(NOT SANITIZE)
-  foreach(name demo golden readme sponza)
+  foreach(name cases demo golden readme sponza)
     add_test(NAME e2e_${name} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/e2e/${name}.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
     set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" RUN_SERIAL ON SKIP_RETURN_CODE 77)
   endforeach()
-  set_tests_properties(e2e_golden PROPERTIES RUN_SERIAL OFF) # it asks for paths, not for time
+  set_tests_properties(e2e_cases e2e_golden PROPERTIES RUN_SERIAL OFF) # they ask for paths, not for time
 endif()

@@ -1,0 +1,29 @@
+/* Prints the mean of an image's three channels over a part of it: mean FILE [LEFT TOP RIGHT BOTTOM], in
+ * shares of its width and height, all of it if none is given. Pixels that are not finite are an error. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "renderer.h"
+
+int main(int argc, char **argv)
+{
+    char error[RND_ERROR_SIZE];
+    double part[4] = {0, 0, 1, 1}, sum = 0;
+    long count = 0;
+    int width, height;
+    float *rgb;
+
+    if (argc != 2 && argc != 6) return 2;
+    for (int i = 2; i < argc; i++) part[i - 2] = atof(argv[i]);
+    rgb = rnd_image_read(argv[1], &width, &height, NULL, error);
+    if (!rgb) return fprintf(stderr, "%s\n", error), 1;
+    for (int y = (int)(part[1] * height); y < (int)ceil(part[3] * height); y++)
+        for (int x = (int)(part[0] * width); x < (int)ceil(part[2] * width); x++)
+            for (int c = 0; c < 3; c++, count++)
+                sum += rgb[3 * ((size_t)y * (size_t)width + (size_t)x) + (size_t)c];
+    free(rgb);
+    if (count == 0 || !isfinite(sum)) return fprintf(stderr, "%s: no finite mean\n", argv[1]), 1;
+    printf("%.6g\n", sum / (double)count);
+    return 0;
+}
