@@ -49,8 +49,8 @@ grep -q ', 0 converged' bulb.out || mean bulb 0.36 0.44
 shown bulb --eye 0,1.3,0 --bounces 4 --clear-glass
 mean bulb 0.4 0.48
 for name in bare dim; do shown $name --eye 0,1.3,0 --bounces 4 --until converged; done
-mean bare 0.44 0.454
-mean dim 4.4e-6 4.54e-6
+mean bare 0.43 0.45
+mean dim 4.3e-6 4.5e-6
 
 # Mirrored instances, and tangents of the file.
 for name in mir_inst mir_flat nomir_inst nomir_flat tan0 tan1; do shown $name --sun 70,35,5,20 --eye 0,3,0; done
