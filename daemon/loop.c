@@ -80,7 +80,8 @@ static bool drop_old(struct dmn_loop *loop, const uint32_t *changed, uint32_t ch
     loop->generation = newest;
     for (size_t i = 0; i < count; i++)
         if (loop->tiles[i].generation + 1ull != newest)
-            loop->tiles[i] = (struct rnd_tile){.unvisited = RND_TILE * RND_TILE, .error = INFINITY};
+            loop->tiles[i] = (struct rnd_tile){
+                .unvisited = RND_TILE * RND_TILE, .error = INFINITY, .sure_error = INFINITY};
     return true;
 }
 

@@ -227,11 +227,15 @@ static void *watch(void *argument)
         const uint64_t now_ns = dmn_now_ns();
         client->failed = result == PRO_BROKEN;
         /* after the end it goes on until there are two marks to compare */
-        if (end_ns && now_ns >= end_ns && client->to.time > client->from.time) break;
-        if (result != PRO_MESSAGE) continue;
-        if (message->body_case == FOVEA__MESSAGE__BODY_TILE) take_tile(client, message->tile, now_ns);
-        if (message->body_case == FOVEA__MESSAGE__BODY_STATS) take_stats(client, message->stats);
-        fovea__message__free_unpacked(message, NULL);
+        const bool ended = end_ns && now_ns >= end_ns && client->to.time > client->from.time;
+        if (result == PRO_MESSAGE) {
+            if (!ended && message->body_case == FOVEA__MESSAGE__BODY_TILE)
+                take_tile(client, message->tile, now_ns);
+            if (!ended && message->body_case == FOVEA__MESSAGE__BODY_STATS)
+                take_stats(client, message->stats);
+            fovea__message__free_unpacked(message, NULL);
+        }
+        if (ended) break;
     }
     if (client->failed) fprintf(stderr, "fovea-bench: %s\n", error);
     const uint64_t silent_ns = dmn_now_ns() - client->last_ns;

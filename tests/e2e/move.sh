@@ -20,9 +20,9 @@ await_generation() {
     [ "$(number generation stats.json)" = "$1" ] || fail "generation $(number generation stats.json), where $1 was to come"
 }
 
-# developed FILE: save the picture once it has paths enough to be told from another.
+# developed FILE: save the picture once it has 7 paths per pixel: next to no pixel is black then for want of a path.
 developed() {
-    await 'paths enough' told stats.json paths 50000
+    await 'paths enough' told stats.json paths 250000
     "$foveactl" save "$1" >/dev/null
 }
 
