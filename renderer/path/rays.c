@@ -1,7 +1,5 @@
-/* Rays and Embree: the only place where paths are traced. A wave goes in packets of 8, sorted by the octant
- * that the rays point into: rays of a packet then take much the same way through the tree. Measured on
- * Sponza, the hall, the staircase, Zen 4: 20, 25, 3 % more bounces a second than Embree 3's streams, and as
- * many shadow rays; unsorted packets trace 5 % more bounces and 15 % fewer shadow rays.
+/* Rays and Embree: the only place where paths are traced. Whole waves go to Embree in the arrays that they
+ * are in.
  *
  * What is one-sided is not there for an eye that looks at its back: glTF's back-face culling (glTF 2.0,
  * section 3.9.6), which speaks of what is seen. For light every surface has two sides, or walls that are
@@ -10,89 +8,24 @@
 #include "path/tape.h"
 #include "path/wave.h"
 
-enum { PACKET = 8, OCTANTS = 8 };
+_Static_assert((int)RND_WAVE <= (int)RND_EMBREE_RAYS, "a wave goes to Embree in one call");
 
-/* A packet, and which of its rays count: -1, else 0. */
-struct packet {
-    struct RTCRayHit8 rays;
-    int valid[PACKET];
-} __attribute__((aligned(64)));
-
-static void init(struct packet *packet)
+static struct rnd_embree_rays rays_of(struct rnd_vectors *origin, struct rnd_vectors *direction,
+                                      float *distance)
 {
-    *packet = (struct packet){0};
-    for (int k = 0; k < PACKET; k++) packet->rays.ray.mask[k] = UINT32_MAX;
-}
-
-/* The order in which rays are traced: by octant. */
-static void sort(const struct rnd_vectors *direction, uint32_t count, uint32_t *restrict out_order)
-{
-    uint32_t end[OCTANTS + 1] = {0};
-    uint8_t octant[RND_WAVE];
-    for (uint32_t i = 0; i < count; i++) {
-        octant[i] = (uint8_t)((direction->x[i] < 0.0f) | (direction->y[i] < 0.0f) << 1 |
-                              (direction->z[i] < 0.0f) << 2);
-        end[octant[i] + 1]++;
-    }
-    for (int o = 0; o < OCTANTS; o++) end[o + 1] += end[o];
-    for (uint32_t i = 0; i < count; i++) out_order[end[octant[i]]++] = i;
-}
-
-/* Rays that an order names, count of them and PACKET at the most. */
-static void pack(const struct rnd_vectors *origin, const struct rnd_vectors *direction, const float *distance,
-                 const uint32_t *order, uint32_t count, struct packet *to)
-{
-    struct RTCRay8 *ray = &to->rays.ray;
-    for (uint32_t k = 0; k < PACKET; k++) {
-        const uint32_t i = order[k < count ? k : 0];
-        to->valid[k] = k < count ? -1 : 0;
-        ray->org_x[k] = origin->x[i];
-        ray->org_y[k] = origin->y[i];
-        ray->org_z[k] = origin->z[i];
-        ray->dir_x[k] = direction->x[i];
-        ray->dir_y[k] = direction->y[i];
-        ray->dir_z[k] = direction->z[i];
-        ray->tfar[k] = distance[i];
-    }
-}
-
-static uint32_t packet_size(uint32_t rays_left)
-{
-    return rays_left < PACKET ? rays_left : PACKET;
+    return (struct rnd_embree_rays){
+        {origin->x, origin->y, origin->z}, {direction->x, direction->y, direction->z}, distance};
 }
 
 void rnd_intersect(struct rnd_tracer *tracer, struct rnd_paths *paths, uint32_t count, bool coherent)
 {
-    struct rnd_hits *hits = &tracer->hits;
-    uint32_t *order = tracer->order; /* not in use yet */
-    struct packet packet;
-    struct RTCHit8 *hit = &packet.rays.hit;
-    init(&packet);
-    for (uint32_t i = 0; i < count; i++) hits->distance[i] = INFINITY;
-    if (coherent)
-        for (uint32_t i = 0; i < count; i++) order[i] = i;
-    else
-        sort(&paths->direction, count, order);
+    struct rnd_hits *to = &tracer->hits;
+    const struct rnd_embree_rays rays = rays_of(&paths->origin, &paths->direction, to->distance);
+    const struct rnd_embree_hits hits = {
+        {to->normal.x, to->normal.y, to->normal.z}, to->u, to->v, to->geometry, to->primitive, to->instance};
     tracer->rays += count;
-    for (uint32_t first = 0; first < count; first += PACKET) {
-        const uint32_t n = packet_size(count - first);
-        pack(&paths->origin, &paths->direction, hits->distance, order + first, n, &packet);
-        for (int k = 0; k < PACKET; k++) hit->geomID[k] = hit->instID[0][k] = RTC_INVALID_GEOMETRY_ID;
-        if (tracer->tape) rnd_tape_intersect(tracer->tape, coherent, packet.valid, &packet.rays);
-        rnd_embree_intersect8(tracer->scene->tree, coherent, packet.valid, &packet.rays);
-        for (uint32_t k = 0; k < n; k++) {
-            const uint32_t i = order[first + k];
-            hits->distance[i] = packet.rays.ray.tfar[k];
-            hits->normal.x[i] = hit->Ng_x[k];
-            hits->normal.y[i] = hit->Ng_y[k];
-            hits->normal.z[i] = hit->Ng_z[k];
-            hits->u[i] = hit->u[k];
-            hits->v[i] = hit->v[k];
-            hits->geometry[i] = hit->geomID[k];
-            hits->primitive[i] = hit->primID[k];
-            hits->instance[i] = hit->instID[0][k];
-        }
-    }
+    if (tracer->tape) rnd_tape_intersect(tracer->tape, coherent, &rays, count);
+    rnd_embree_intersect(tracer->scene->tree, coherent, &rays, &hits, count);
 }
 
 /* --- backs --- */
@@ -185,23 +118,16 @@ void rnd_occlude(struct rnd_tracer *tracer)
 {
     struct rnd_shadows *s = &tracer->shadows;
     struct rnd_wave_io *io = tracer->io;
-    uint32_t *order = tracer->order; /* not in use any more */
-    struct packet packet;
-    init(&packet);
-    sort(&s->direction, s->count, order);
+    const struct rnd_embree_rays rays = rays_of(&s->origin, &s->direction, s->distance);
+    if (s->count == 0) return;
     tracer->rays += s->count;
-    for (uint32_t first = 0; first < s->count; first += PACKET) {
-        const uint32_t n = packet_size(s->count - first);
-        pack(&s->origin, &s->direction, s->distance, order + first, n, &packet);
-        if (tracer->tape) rnd_tape_occlude(tracer->tape, packet.valid, &packet.rays.ray);
-        rnd_embree_occluded8(tracer->scene->tree, packet.valid, &packet.rays.ray);
-        for (uint32_t k = 0; k < n; k++) {
-            const uint32_t i = order[first + k];
-            if (packet.rays.ray.tfar[k] < 0.0f) continue;
-            if (tracer->scene->clear_tree) pass_glass(tracer, i);
-            io->radiance[0][s->id[i]] += s->radiance.x[i];
-            io->radiance[1][s->id[i]] += s->radiance.y[i];
-            io->radiance[2][s->id[i]] += s->radiance.z[i];
-        }
+    if (tracer->tape) rnd_tape_occlude(tracer->tape, &rays, s->count);
+    rnd_embree_occluded(tracer->scene->tree, &rays, s->count);
+    for (uint32_t i = 0; i < s->count; i++) {
+        if (s->distance[i] < 0.0f) continue;
+        if (tracer->scene->clear_tree) pass_glass(tracer, i);
+        io->radiance[0][s->id[i]] += s->radiance.x[i];
+        io->radiance[1][s->id[i]] += s->radiance.y[i];
+        io->radiance[2][s->id[i]] += s->radiance.z[i];
     }
 }

@@ -12,9 +12,9 @@ void rnd_tape_destroy(struct rnd_tape *tape); /* accepts NULL */
 
 /* Called by the tracer before a call, with what Embree is given. When memory is short the tape stops and
  * rnd_tape_play() says so. */
-void rnd_tape_intersect(struct rnd_tape *tape, bool coherent, const int valid[8],
-                        const struct RTCRayHit8 *rays);
-void rnd_tape_occlude(struct rnd_tape *tape, const int valid[8], const struct RTCRay8 *rays);
+void rnd_tape_intersect(struct rnd_tape *tape, bool coherent, const struct rnd_embree_rays *rays,
+                        uint32_t count);
+void rnd_tape_occlude(struct rnd_tape *tape, const struct rnd_embree_rays *rays, uint32_t count);
 
 /* Make all recorded calls once more. False if the tape is not whole. It is used up: rays end where they hit.
  */

@@ -1,7 +1,7 @@
 /* Paths from the eye: unidirectional, next-event estimation, multiple importance sampling, Russian roulette.
  *
  * Paths are traced in waves: all of a wave take a step together, so that rays go to Embree in
- * packets, and what is done with all of them is done by vector instructions. What a path brings depends on
+ * packets and streams, and what is done with all of them is done by vector instructions. What a path brings depends on
  * the wave that it is in (Embree's kernels round differently for packets and single rays), so whoever wants
  * the same picture twice must form the same waves twice.
  */

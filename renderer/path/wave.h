@@ -101,7 +101,7 @@ _Static_assert((int)RND_LISTS >= (int)RND_LIGHT_GROUPS && (int)RND_LISTS >= (int
 struct rnd_shadows {
     uint32_t count;
     struct rnd_vectors origin, direction, radiance;
-    rnd_floats distance;
+    rnd_floats distance; /* -INFINITY once something was found in between */
     /* In scenes with clear glass, for light that comes through it: by what its radiance counts more, since no
      * path finds it by chance; 0: it does not come through. */
     rnd_floats through;

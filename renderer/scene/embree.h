@@ -1,109 +1,54 @@
-/* Embree 3.13 and Embree 4 under one set of names: no other file knows which of them it is.
- *
- * Both trace single rays and packets of 8, which every processor with AVX2 traces as packets. Embree 4 has no
- * streams of rays. CMake sets RND_EMBREE, the version's first number.
- */
+/* Embree 3.13 and Embree 4 under one set of names. embree.c alone knows how the two differ; CMake sets
+ * RND_EMBREE to the first number of the version. */
 #ifndef FOVEAD_RENDERER_EMBREE_H
 #define FOVEAD_RENDERER_EMBREE_H
 
 #if RND_EMBREE == 4
 #include <embree4/rtcore.h>
+#define rnd_query_context      RTCRayQueryContext
+#define RND_SCENE_QUERY_FILTER RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS
 #elif RND_EMBREE == 3
 #include <embree3/rtcore.h>
+#define rnd_query_context      RTCIntersectContext
+#define RND_SCENE_QUERY_FILTER RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION
 #else
 #error "RND_EMBREE must be 3 or 4"
 #endif
 #include <stdbool.h>
+#include <stdint.h>
 
-/* What a filter finds as args->context; whoever asks may put it first in a structure of its own. */
+/* What a filter finds as args->context. A caller may put it first in a structure of its own. */
 struct rnd_query {
-#if RND_EMBREE == 4
-    struct RTCRayQueryContext embree;
-#else
-    struct RTCIntersectContext embree;
-#endif
+    struct rnd_query_context embree;
 };
 
-/* The flag of a scene whose rays may bring a filter with them. */
-#if RND_EMBREE == 4
-#define RND_SCENE_QUERY_FILTER RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS
-#else
-#define RND_SCENE_QUERY_FILTER RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION
-#endif
+/* The first hit of one ray; everything in its mask is hit. */
+void rnd_embree_intersect1(RTCScene scene, struct RTCRayHit *ray);
+/* The first hit that the filter accepts. The scene has the flag RND_SCENE_QUERY_FILTER. */
+void rnd_embree_intersect1_filtered(RTCScene scene, struct rnd_query *query, RTCFilterFunctionN filter,
+                                    struct RTCRayHit *ray);
+/* Is anything in the ray's way? */
+bool rnd_embree_occluded1(RTCScene scene, struct RTCRay *ray);
 
-/* What a ray hits first of what the filter leaves, which sees query as args->context. The scene has the flag
- * RND_SCENE_QUERY_FILTER. */
-static inline void rnd_embree_intersect1_filtered(RTCScene scene, struct rnd_query *query,
-                                                  RTCFilterFunctionN filter, struct RTCRayHit *ray)
-{
-#if RND_EMBREE == 4
-    struct RTCIntersectArguments arguments;
-    rtcInitRayQueryContext(&query->embree);
-    rtcInitIntersectArguments(&arguments);
-    arguments.context = &query->embree;
-    arguments.filter = filter;
-    arguments.flags |= RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER;
-    rtcIntersect1(scene, ray, &arguments);
-#else
-    rtcInitIntersectContext(&query->embree);
-    query->embree.filter = filter;
-    rtcIntersect1(scene, &query->embree, ray);
-#endif
-}
+/* Rays in arrays of one value per ray, which belong to the caller; each begins at a line of the cache. */
+struct rnd_embree_rays {
+    float *origin[3], *direction[3];
+    float *distance; /* to which a ray is followed */
+};
 
-static inline void rnd_embree_intersect1(RTCScene scene, struct RTCRayHit *ray)
-{
-#if RND_EMBREE == 4
-    rtcIntersect1(scene, ray, NULL);
-#else
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(scene, &context, ray);
-#endif
-}
+struct rnd_embree_hits {
+    float *normal[3], *u, *v;
+    unsigned *geometry, *primitive, *instance;
+};
 
-/* Is anything in a ray's way? */
-static inline bool rnd_embree_occluded1(RTCScene scene, struct RTCRay *ray)
-{
-#if RND_EMBREE == 4
-    rtcOccluded1(scene, ray, NULL);
-#else
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcOccluded1(scene, &context, ray);
-#endif
-    return ray->tfar < 0.0f;
-}
+enum { RND_EMBREE_RAYS = 512 }; /* most rays of a call */
 
-/* Packets of 8, of which those rays count whose valid is -1 (else 0); both are aligned to 32 bytes. Coherent:
- * they begin in one place and keep together. */
-static inline void rnd_embree_intersect8(RTCScene scene, bool coherent, const int valid[8],
-                                         struct RTCRayHit8 *rays)
-{
-#if RND_EMBREE == 4
-    struct RTCIntersectArguments arguments;
-    rtcInitIntersectArguments(&arguments);
-    arguments.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
-    rtcIntersect8(valid, scene, rays, &arguments);
-#else
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-    rtcIntersect8(valid, scene, &context, rays);
-#endif
-}
-
-/* Afterwards tfar is -INFINITY of the rays that have something in their way. Never coherent: Embree 3.13.5
- * may then go on for ever behind instances. */
-static inline void rnd_embree_occluded8(RTCScene scene, const int valid[8], struct RTCRay8 *rays)
-{
-#if RND_EMBREE == 4
-    rtcOccluded8(valid, scene, rays, NULL);
-#else
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcOccluded8(valid, scene, &context, rays);
-#endif
-}
+/* The first hit of each of count rays: its distance is written to rays, all else to hits, whose geometry is
+ * RTC_INVALID_GEOMETRY_ID where a ray hits nothing. Coherent: the rays begin in one place, and neighbours in
+ * the arrays are neighbours in direction. */
+void rnd_embree_intersect(RTCScene scene, bool coherent, const struct rnd_embree_rays *rays,
+                          const struct rnd_embree_hits *hits, uint32_t count);
+/* Writes -INFINITY as the distance of each ray that has something in its way. */
+void rnd_embree_occluded(RTCScene scene, const struct rnd_embree_rays *rays, uint32_t count);
 
 #endif
