@@ -63,11 +63,12 @@ static void add_up(const struct rnd_film_tile *tile, uint32_t index, struct bloc
     *out = (struct block){.least = UINT32_MAX};
     for (uint32_t k = 0; k < RND_BLOCK * RND_BLOCK; k++) {
         const uint32_t i = first + k / RND_BLOCK * RND_TILE + k % RND_BLOCK;
-        const uint32_t even = pixels->count[0][i], odd = pixels->count[1][i], n = even + odd;
+        const struct rnd_film_pixel *pixel = &pixels->pixel[i];
+        const uint32_t even = pixel->count[0], odd = pixel->count[1], n = even + odd;
         out->least = n < out->least ? n : out->least;
         if (n == 0) continue;
-        const double a = even ? rnd_luminance(pixels->half[0][i]) : 0.0,
-                     b = odd ? rnd_luminance(pixels->half[1][i]) : 0.0, mean = (even * a + odd * b) / n;
+        const double a = rnd_luminance(pixel->half[0]), b = rnd_luminance(pixel->half[1]),
+                     mean = (even * a + odd * b) / n;
         out->visited++;
         out->paths += n;
         out->light += mean;

@@ -22,7 +22,7 @@ bool rnd_film_init(struct rnd_film *film, int width, int height, float error_bar
     film->published = calloc((tiles + 63) / 64, sizeof *film->published);
     film->weighed = malloc(tiles * sizeof *film->weighed);
     /* Fresh pages of the system cost nothing until a sample falls there. */
-    film->pixels = malloc(tiles * sizeof *film->pixels);
+    film->pixels = aligned_alloc(64, tiles * sizeof *film->pixels);
     rnd_use_large_pages(film->pixels, tiles * sizeof *film->pixels);
     if (!film->tile || !film->published || !film->weighed || !film->pixels) return false;
     for (size_t t = 0; t < tiles; t++) {
@@ -132,22 +132,20 @@ uint32_t rnd_film_draw_listed(struct rnd_film_tile *tile, uint32_t pixel)
 
 static void add_to_mean(float mean[3], uint32_t *count, const float rgb[3])
 {
-    /* The half-means are most of a film: emptying it leaves them as they were, and this is in time. */
-    if ((*count)++ == 0) mean[0] = mean[1] = mean[2] = 0.0f;
-    const float share = 1.0f / (float)*count;
+    const float share = 1.0f / (float)++*count;
     for (int c = 0; c < 3; c++) mean[c] += (rgb[c] - mean[c]) * share;
 }
 
 static void add_to_pixel(struct rnd_film_pixels *pixels, const struct rnd_sample *s)
 {
     const uint32_t h = s->number & 1;
-    add_to_mean(pixels->half[h][s->pixel], &pixels->count[h][s->pixel], s->rgb);
+    add_to_mean(pixels->pixel[s->pixel].half[h], &pixels->pixel[s->pixel].count[h], s->rgb);
 }
 
 /* From the list to the pixels. */
 static void spread(struct rnd_film_tile *tile)
 {
-    memset(tile->pixels->count, 0, sizeof tile->pixels->count);
+    memset(tile->pixels->pixel, 0, sizeof tile->pixels->pixel);
     for (uint32_t i = 0; i < tile->listed; i++) add_to_pixel(tile->pixels, &tile->list[i]);
     tile->spread = true;
 }
@@ -155,14 +153,11 @@ static void spread(struct rnd_film_tile *tile)
 /* Mean radiance of a pixel, 0 without a path, and how many paths there are. */
 static uint32_t pixel_mean(const struct rnd_film_pixels *pixels, uint32_t i, float out_mean[3])
 {
-    const uint32_t even = pixels->count[0][i], odd = pixels->count[1][i], n = even + odd;
-    const float *m[2] = {pixels->half[0][i], pixels->half[1][i]};
-    if (even == 0 || odd == 0) {
-        for (int c = 0; c < 3; c++) out_mean[c] = n == 0 ? 0.0f : m[even == 0][c];
-    } else {
-        const float share = (float)odd / (float)n;
-        for (int c = 0; c < 3; c++) out_mean[c] = m[0][c] + (m[1][c] - m[0][c]) * share;
-    }
+    const struct rnd_film_pixel *pixel = &pixels->pixel[i];
+    const uint32_t n = pixel->count[0] + pixel->count[1];
+    const float share = n > 0 ? (float)pixel->count[1] / (float)n : 0.0f;
+    for (int c = 0; c < 3; c++)
+        out_mean[c] = pixel->half[0][c] + (pixel->half[1][c] - pixel->half[0][c]) * share;
     return n;
 }
 
@@ -239,9 +234,8 @@ static inline void add_part(struct rnd_sum *to, const float mean[3], float paths
  * variance of 1 / H. Halves that agree may do so by chance, while there are few paths. */
 static float hits_of(const struct rnd_film_pixels *pixels, uint32_t i, uint32_t paths, const float mean[3])
 {
-    const float bright = rnd_luminance(mean),
-                even = pixels->count[0][i] > 0 ? rnd_luminance(pixels->half[0][i]) : 0.0f,
-                odd = pixels->count[1][i] > 0 ? rnd_luminance(pixels->half[1][i]) : 0.0f;
+    const float bright = rnd_luminance(mean), even = rnd_luminance(pixels->pixel[i].half[0]),
+                odd = rnd_luminance(pixels->pixel[i].half[1]);
     if (bright <= 0.0f) return 0.0f;
     const float deviation = 0.5f * (even - odd) / bright, most = 2.0f + (float)paths / 16.0f;
     return fminf((float)paths, fmaxf(1.0f, 1.0f / (deviation * deviation + 1.0f / most)));
@@ -368,10 +362,9 @@ bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *
 /* Standard error of a pixel's luminance from its halves; 0 if one is empty. */
 static float pixel_error(const struct rnd_film_tile *tile, int i)
 {
-    const struct rnd_film_pixels *pixels = tile->pixels;
-    const uint32_t even = pixels->count[0][i], odd = pixels->count[1][i];
-    if (odd == 0 || even == 0) return 0.0f;
-    return 0.5f * fabsf(rnd_luminance(pixels->half[0][i]) - rnd_luminance(pixels->half[1][i]));
+    const struct rnd_film_pixel *pixel = &tile->pixels->pixel[i];
+    if (pixel->count[0] == 0 || pixel->count[1] == 0) return 0.0f;
+    return 0.5f * fabsf(rnd_luminance(pixel->half[0]) - rnd_luminance(pixel->half[1]));
 }
 
 void rnd_render_resolve(struct rnd_render *render, float *out_rgb, float *out_samples, float *out_error)

@@ -31,12 +31,19 @@ struct rnd_sample {
     float rgb[3];
 };
 
-/* The pixels of a tile. Means, because sums of many thousand paths would lose what single ones add. */
-struct rnd_film_pixels {
-    uint32_t count[2][RND_TILE_PIXELS]; /* paths in each half */
-    float half[2][RND_TILE_PIXELS][3];  /* mean radiance of each half; without meaning where count is 0 */
-    uint32_t drawn[RND_TILE_PIXELS];    /* paths that positions were drawn for */
+/* A pixel's two halves, in one line of the cache. Means, because sums of many thousand paths would lose what
+ * single ones add. */
+struct rnd_film_pixel {
+    uint32_t count[2]; /* paths in each half */
+    float half[2][3];  /* mean radiance of each half; 0 without paths */
 };
+
+/* The pixels of a tile. */
+struct rnd_film_pixels {
+    struct rnd_film_pixel pixel[RND_TILE_PIXELS];
+    uint32_t drawn[RND_TILE_PIXELS]; /* paths that positions were drawn for */
+};
+_Static_assert(sizeof(struct rnd_film_pixels) % 64 == 0, "no pixel lies in two lines of the cache");
 
 /* What a block's pixels hold: its mean is light / visited, each pixel counting alike. Doubles, because what
  * they gain with every path is small. */
@@ -97,7 +104,7 @@ void rnd_film_empty(const struct rnd_film *film, struct rnd_film_tile *tile, uin
 /* Only of a tile whose paths are in its pixels. */
 static inline uint32_t rnd_film_count(const struct rnd_film_tile *tile, uint32_t pixel)
 {
-    return tile->pixels->count[0][pixel] + tile->pixels->count[1][pixel];
+    return tile->pixels->pixel[pixel].count[0] + tile->pixels->pixel[pixel].count[1];
 }
 
 /* The number of the next path of a pixel; the one after it has the next one. */

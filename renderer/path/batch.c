@@ -79,10 +79,7 @@ static void trace_wave(struct rnd_render *render, struct rnd_worker *worker, uin
         const struct rnd_film_pixels *pixels =
             &render->film.pixels[render->run[render->run_of[first + i]].tile];
         float *rgb = sample->rgb;
-        for (int h = 0; h < 2; h++) {
-            __builtin_prefetch(pixels->half[h][sample->pixel], 1);
-            __builtin_prefetch(&pixels->count[h][sample->pixel], 1);
-        }
+        __builtin_prefetch(&pixels->pixel[sample->pixel], 1);
         worker->not_finite += !finite;
         rgb[0] = finite ? r : 0.0f;
         rgb[1] = finite ? g : 0.0f;
