@@ -353,21 +353,12 @@ int rnd_render_threads(const struct rnd_render *render)
     return render->workers;
 }
 
-struct emptying {
-    struct rnd_render *render;
-    _Atomic int next; /* tile that no thread has taken yet */
-};
-
-static void empty(void *context, int worker)
+/* Empty tiles first to end. */
+static void empty(void *context, uint32_t first, uint32_t end)
 {
-    enum { TURN = 64 }; /* tiles */
-    struct emptying *emptying = context;
-    const struct rnd_film *film = &emptying->render->film;
-    const int tiles = film->across * film->down;
-    (void)worker;
-    for (int t; (t = atomic_fetch_add_explicit(&emptying->next, TURN, memory_order_relaxed)) < tiles;)
-        for (int k = t; k < t + TURN && k < tiles; k++)
-            rnd_film_empty(film, &film->tile[k], emptying->render->generation);
+    struct rnd_render *render = context;
+    for (uint32_t t = first; t < end; t++)
+        rnd_film_empty(&render->film, &render->film.tile[t], render->generation);
 }
 
 void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene, const double eye[3])
@@ -380,8 +371,7 @@ void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene
     render->film.brightness = render->film.grain = 0.0f;
     render->film.paths = render->film.next_survey = 0;
     render->generation++;
-    struct emptying emptying = {.render = render};
     pthread_mutex_lock(&render->whole);
-    rnd_pool_run(render->pool, empty, &emptying);
+    rnd_pool_share(render->pool, (uint32_t)(render->film.across * render->film.down), 64, empty, render);
     pthread_mutex_unlock(&render->whole);
 }

@@ -6,7 +6,7 @@
  * holds the same share of a distribution's samples wherever it lies, so it is small at the fovea and grows
  * towards the periphery.
  *
- * Nothing here looks at what earlier paths have found. A place that were given fewer paths because it looked
+ * Nothing here looks at what earlier paths have found. A place that got fewer paths because it looked
  * good would keep what it has found, and lack what it has not found yet: the mean of all such places would be
  * too dark where light is rare.
  */
@@ -146,25 +146,22 @@ struct placing {
     struct rnd_render *render;
     const struct rnd_aim *aim;
     uint32_t paths;
-    _Atomic uint32_t next; /* cell that no thread has taken yet */
 };
 
-static void draw_turns(void *context, int worker)
+static void draw_share(void *context, uint32_t first, uint32_t end)
 {
-    struct placing *p = context;
-    const uint32_t cells = (p->paths + CELL - 1) / CELL, turn = SOME / CELL;
-    (void)worker;
-    for (uint32_t c; (c = atomic_fetch_add_explicit(&p->next, turn, memory_order_relaxed)) < cells;)
-        draw(p->render, p->aim, c, cells - c < turn ? cells : c + turn, p->paths);
+    const struct placing *p = context;
+    draw(p->render, p->aim, first, end, p->paths);
 }
 
 void rnd_place(struct rnd_render *render, const struct rnd_aim *aim, uint32_t paths, bool drawn)
 {
     struct placing placing = {.render = render, .aim = aim, .paths = paths};
     if (drawn) {
+        const uint32_t cells = (paths + CELL - 1) / CELL;
         render->grid = grid_of(render, aim);
-        rnd_pool_run(render->pool, draw_turns, &placing);
-        render->next_cell += (paths + CELL - 1) / CELL;
+        rnd_pool_share(render->pool, cells, SOME / CELL, draw_share, &placing);
+        render->next_cell += cells;
     } else {
         outline(render, paths);
     }

@@ -133,3 +133,25 @@ void rnd_pool_run_all(struct rnd_pool *pool, void (*work)(void *context, int wor
 {
     hand_out(pool, work, context, true);
 }
+
+struct sharing {
+    uint32_t count, turn;
+    _Atomic uint32_t next; /* that no thread has taken yet */
+    void (*work)(void *context, uint32_t first, uint32_t end);
+    void *context;
+};
+
+static void take_turns(void *argument, int worker)
+{
+    struct sharing *s = argument;
+    (void)worker;
+    for (uint32_t i; (i = atomic_fetch_add_explicit(&s->next, s->turn, memory_order_relaxed)) < s->count;)
+        s->work(s->context, i, s->count - i < s->turn ? s->count : i + s->turn);
+}
+
+void rnd_pool_share(struct rnd_pool *pool, uint32_t count, uint32_t turn,
+                    void (*work)(void *context, uint32_t first, uint32_t end), void *context)
+{
+    struct sharing sharing = {.count = count, .turn = turn, .work = work, .context = context};
+    rnd_pool_run(pool, take_turns, &sharing);
+}

@@ -35,7 +35,6 @@ struct step {
 struct survey {
     const struct rnd_scene *scene;
     const float *eye;
-    _Atomic uint32_t next;            /* path that no thread has taken yet */
     struct rnd_light_choice choice;   /* by which they are asked */
     struct step step[PATHS][BOUNCES]; /* summed in their order, by one */
 };
@@ -64,8 +63,8 @@ static float through_glass(const struct rnd_scene *scene, const struct rnd_surfa
     return rnd_v3_luminance(rnd_clear_transmittance(scene, from, to, shadow->tfar, &any));
 }
 
-/* Luminance that a group gives to a surface if it is asked, weighted as the integrator weights it. *out_light
- * is what was drawn, if it gives anything. */
+/* Luminance that a group gives to a surface if it is asked, weighted as the integrator weights it (roughly,
+ * where glass is clear). *out_light is what was drawn, if it gives anything. */
 static float ask(const struct survey *survey, int group, const struct rnd_surface *surface, vec3s wo,
                  const float u[4], struct rnd_light_sample *out_light)
 {
@@ -152,13 +151,11 @@ static void walk(const struct survey *survey, uint32_t index, struct step step[B
     }
 }
 
-static void walk_turns(void *context, int worker)
+/* Walk paths first to end. */
+static void walk_some(void *context, uint32_t first, uint32_t end)
 {
-    enum { TURN = 64 }; /* paths */
     struct survey *survey = context;
-    (void)worker;
-    for (uint32_t i; (i = atomic_fetch_add_explicit(&survey->next, TURN, memory_order_relaxed)) < PATHS;)
-        for (uint32_t k = i; k < i + TURN; k++) walk(survey, k, survey->step[k]);
+    for (uint32_t i = first; i < end; i++) walk(survey, i, survey->step[i]);
 }
 
 /* --- what was found --- */
@@ -274,7 +271,7 @@ void rnd_survey_lights(const struct rnd_scene *scene, const float eye[3], struct
     const float *factor[RND_LIGHT_GROUPS] = {0};
     rnd_light_choose_evenly(&scene->lights, out);
     survey.choice = *out;
-    rnd_pool_run(pool, walk_turns, &survey);
+    rnd_pool_share(pool, PATHS, 64, walk_some, &survey);
     if (scene->lights.env) choose_regions(&survey, &out->env), factor[RND_LIGHT_ENV] = out->env.factor;
     for (int g = 0; g < RND_LIGHT_GROUPS; g++)
         if (scene->lights.lamps[g].by_power.count > 1)
