@@ -1,7 +1,6 @@
 /* Embree: one tree over all triangles of the world, where geometry ids are mesh indices; meshes that are seen
  * many times have a tree of their own, and an instance of it, numbered after the meshes, for each time.
  */
-#include "path/glass.h"
 #include "scene/scene.h"
 
 #include <stdio.h>

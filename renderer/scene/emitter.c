@@ -1,6 +1,7 @@
-/* Emissive triangles and their parts. */
-#include "scene/emitter.h"
+/* Emissive triangles: how often each is drawn. A triangle whose texture or coverage makes its light uneven is
+ * divided into parts, the more the brighter they are: a bright spot is drawn as often as it should be. */
 #include "scene/pyramid.h"
+#include "scene/scene.h"
 
 #include <stdlib.h>
 
@@ -37,11 +38,6 @@ struct builder {
     } * heap; /* largest first */
     uint32_t candidates;
 };
-
-bool rnd_emits(const struct rnd_material *material)
-{
-    return rnd_luminance(material->emission.raw) > 0.0f && !material->unlit;
-}
 
 /* --- what is uneven --- */
 
@@ -210,13 +206,12 @@ static struct rnd_pyramid_mean shine(const struct builder *b, const struct rnd_a
             sum.square += (own.square + 1e-3f * more.square) / 16.0f;
         }
     }
-    return (struct rnd_pyramid_mean){look->brightness * sum.value,
-                                     look->brightness * look->brightness * sum.square};
+    return sum;
 }
 
-/* Weight of an area: its power, but for the root of the mean square of what it emits in place of the mean,
- * by which strata are best drawn from (Cochran 1977, section 5.5). *out_won is what parts of it that are even
- * would weigh less. */
+/* Weight of an area: its power, with the root mean square of its emission in place of the mean, as strata are
+ * best drawn (Cochran 1977, section 5.5). *out_won: how much less its parts would weigh together if each were
+ * even. */
 static float weigh(const struct builder *b, const struct rnd_area *area, float *out_won)
 {
     const struct rnd_v3 twice = rnd_v3_cross(area->e1, area->e2);
@@ -226,8 +221,8 @@ static float weigh(const struct builder *b, const struct rnd_area *area, float *
     *out_won = 0.0f;
     if (!look->uneven) return size * look->brightness;
     const struct rnd_pyramid_mean mean = shine(b, area, part_of(area));
-    const float root = sqrtf(mean.square);
-    *out_won = size * fmaxf(root - mean.value, 0.0f);
+    const float root = look->brightness * sqrtf(mean.square);
+    *out_won = size * fmaxf(root - look->brightness * mean.value, 0.0f);
     return size * root;
 }
 
@@ -318,8 +313,8 @@ static void drop(struct builder *b, uint32_t i)
     for (uint32_t k = 0; area->flags & RND_AREA_DIVIDED && k < 4; k++) drop(b, area->place + k);
 }
 
-/* Where the corner of an area is whose first part that is: they share it, in steps of half the length each
- * time. */
+/* The corner of the area whose first part this is, in steps of that area's sides: both share the corner, and
+ * the part's steps are half as long. */
 static uint32_t corner_of(const struct rnd_area *areas, uint32_t part)
 {
     int halvings = 1;

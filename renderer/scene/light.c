@@ -1,6 +1,5 @@
 /* Lights: their tables at load, and drawing from them. The environment's own part is env.c. */
 #include "scene/light.h"
-#include "scene/emitter.h"
 #include "scene/scene.h"
 
 #include <float.h>

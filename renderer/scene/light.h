@@ -270,6 +270,10 @@ struct rnd_light_sample {
     uint32_t part;           /* of lamps, or region of the environment */
 };
 
+/* emitter.c: find the emissive triangles and divide them: fills the lights' areas, and marks the meshes.
+ * *out_weight: by which each area is to be drawn; the caller frees. False if memory is short. */
+bool rnd_emitters_build(struct rnd_scene *scene, float **out_weight);
+
 /* After the geometry: find what emits and make the tables. */
 bool rnd_lights_build(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE]);
 void rnd_lights_finish(struct rnd_lights *lights);
@@ -279,9 +283,9 @@ void rnd_lights_finish(struct rnd_lights *lights);
 bool rnd_light_draw(const struct rnd_scene *scene, const struct rnd_light_choice *choice, int group,
                     struct rnd_v3 point, const float u[4], struct rnd_light_sample *out);
 
-/* Emitted radiance at barycentric (u, v) of the triangle that an area is of, as a ray sees it that hits. */
+/* Emitted radiance at barycentric (u, v) of the area's triangle, as a ray that hits it sees it. */
 struct rnd_v3 rnd_area_emission(const struct rnd_scene *scene, const struct rnd_area *area, float u, float v);
-/* The same at barycentric (s, t) of the area itself, times what of the surface is there. */
+/* The same at barycentric (s, t) of the area itself, times its coverage there. */
 struct rnd_v3 rnd_area_gives(const struct rnd_scene *scene, const struct rnd_area *area, float s, float t);
 
 /* From barycentric coordinates of an area to those of its triangle. */
@@ -293,7 +297,7 @@ RND_INLINE void rnd_area_place(const struct rnd_area *area, float s, float t, fl
     *out_v = side * ((float)(area->place >> 16) + turn * t);
 }
 
-/* The area that is drawn for barycentric (u, v) of a triangle, which is i or a part of it. */
+/* The area that is drawn at barycentric (u, v) of triangle i: i itself or a part of it. */
 RND_INLINE uint32_t rnd_area_at(const struct rnd_lights *lights, uint32_t i, float u, float v)
 {
     while (lights->area[i].flags & RND_AREA_DIVIDED) {

@@ -1,5 +1,5 @@
-/* How bright, or how much there, a texture is around a place, and how uneven: means over squares of 1, 2, 4,
- * ... texels, which miss no texel. Mipmaps round what is small to nothing. */
+/* Means of a texture's brightness or coverage around a place, and of their squares, over squares of 1, 2, 4,
+ * ... texels; no texel is missed. Mipmaps round small values to nothing. */
 #ifndef FOVEAD_RENDERER_PYRAMID_H
 #define FOVEAD_RENDERER_PYRAMID_H
 
@@ -25,8 +25,8 @@ void rnd_pyramid_destroy(struct rnd_pyramid *pyramid); /* accepts NULL */
 void rnd_pyramid_size(const struct rnd_pyramid *pyramid, int out_size[2]);
 bool rnd_pyramid_is(const struct rnd_pyramid *pyramid, const struct rnd_pyramid_of *of);
 
-/* Mean around texture coordinates (u, v), bilinear between squares of at least that many texels a side: of
- * all that is nearer than their side. */
+/* Mean around texture coordinates (u, v): bilinear between the means of squares at least least_side texels
+ * wide. */
 struct rnd_pyramid_mean rnd_pyramid_mean(const struct rnd_pyramid *pyramid, const uint8_t wrap[2], float u,
                                          float v, float least_side);
 

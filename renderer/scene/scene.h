@@ -80,6 +80,12 @@ struct rnd_material {
     struct rnd_map map[RND_MAPS];
 };
 
+/* Does a mesh of that material give light? */
+static inline bool rnd_emits(const struct rnd_material *material)
+{
+    return rnd_luminance(material->emission.raw) > 0.0f && !material->unlit;
+}
+
 /* --- geometry --- */
 
 struct rnd_mesh {
@@ -147,6 +153,24 @@ struct rnd_scene {
     atomic_bool read;      /* it is done */
     atomic_bool cancelled; /* nobody wants the textures any more */
 };
+
+/* Does light go straight through it? See path/glass.h. */
+static inline bool rnd_is_pane(const struct rnd_mesh *mesh, const struct rnd_material *material)
+{
+    return material->pane && !mesh->colour;
+}
+
+/* Rougher glass scatters so widely that its own drawn lights find what is behind it, and more of the light in
+ * it comes out after further bounces than a straight way knows. */
+#define RND_CLEAR_ROUGHNESS 0.25f
+
+static inline bool rnd_is_clear(const struct rnd_scene *scene, uint32_t mesh)
+{
+    const struct rnd_material *material = &scene->material[scene->mesh[mesh].material];
+    return scene->clear_glass && material->kind == RND_RICH && material->transmission > 0.0f &&
+           material->alpha_mode == RND_OPAQUE && material->roughness <= RND_CLEAR_ROUGHNESS &&
+           !rnd_is_pane(&scene->mesh[mesh], material);
+}
 
 /* scene.c: free its arrays. */
 void rnd_mesh_finish(struct rnd_mesh *mesh);
