@@ -10,10 +10,10 @@
  * two judgements in a row, and a tile is not called good while one of its pixels has few paths. */
 enum { LEAST_PATHS = 16, LEAST_PIXELS = 16 };
 
-/* Blocks of a tile that may be worse than what is said of it: one in so many. */
+/* One in so many blocks of a tile may be worse than the tile's error. */
 enum { WORSE_BLOCKS = 20, WORSE = RND_TILE_BLOCKS / WORSE_BLOCKS };
 
-/* Share of the picture that tiles of coarser grain than what is said of it may have. */
+/* Share of the picture whose tiles may have a coarser grain than film->grain. */
 #define COARSER 0.1f
 
 /* Luminance, as a share of the picture's brightness, below which an error is relative to this share of the
@@ -147,8 +147,7 @@ void rnd_film_survey(struct rnd_film *film)
     film->next_survey = film->paths + film->paths / 4 + 16 * (uint64_t)tiles; /* so that it costs little */
     for (int t = 0; t < tiles; t++) {
         const struct rnd_film_tile *tile = &film->tile[t];
-        const float row = (float)(t / film->across) + 0.5f,
-                    weight = sinf((float)M_PI * row / (float)film->down);
+        const float weight = rnd_row_weight(t / film->across, film->down);
         if (tile->grain < 0.0f) continue;
         list[judged++] = (struct rnd_weighed){tile->state.luminance, weight};
         light += (double)weight * tile->state.luminance;
@@ -159,8 +158,7 @@ void rnd_film_survey(struct rnd_film *film)
     if (film->brightness <= 0.0f) film->brightness = (float)(light / weights); /* most of it is black */
     for (int t = 0; t < tiles; t++) {
         const struct rnd_film_tile *tile = &film->tile[t];
-        const float row = (float)(t / film->across) + 0.5f,
-                    weight = sinf((float)M_PI * row / (float)film->down);
+        const float weight = rnd_row_weight(t / film->across, film->down);
         if (tile->grain >= 0.0f && tile->state.luminance > 0.0f)
             list[lit++] = (struct rnd_weighed){tile->grain, weight};
     }
@@ -176,16 +174,6 @@ float rnd_visible_error(float eccentricity_deg, float pixels_per_degree)
     return 0.5f * pixels_per_degree / (64.0f * sqrtf(1.5f * (float)M_PI) * f * expf(-k * f));
 }
 
-static float dot2(const float a[2], const float b[2])
-{
-    return a[0] * b[0] + a[1] * b[1];
-}
-
-static float cross2(const float a[2], const float b[2])
-{
-    return a[0] * b[1] - a[1] * b[0];
-}
-
 float rnd_tile_cosine(const struct rnd_film *film, int x, int y, const float gaze[3])
 {
     float u, v;
@@ -194,17 +182,17 @@ float rnd_tile_cosine(const struct rnd_film *film, int x, int y, const float gaz
                 bottom = (float)(y + 1) / (float)film->down;
     float turn = u - ((float)x + 0.5f) / (float)film->across; /* from its middle meridian */
     turn = fabsf(turn - roundf(turn));
-    /* Of a parallel, the point nearest in azimuth is the nearest. If the gaze's meridian crosses the tile, it
-     * holds the nearest point; */
+    /* On a parallel, the point nearest in azimuth is nearest. If the gaze's meridian crosses the tile, the
+     * nearest point lies on it. */
     if (turn <= half) return cosf((float)M_PI * fmaxf(0.0f, fmaxf(top - v, v - bottom)));
-    /* else the nearer edge does: a half circle, to whose plane the gaze is projected. */
-    const float beside = 2.0f * (float)M_PI * (turn - half), high = (float)M_PI * (0.5f - top),
-                low = (float)M_PI * (0.5f - bottom);
-    const float level = sqrtf(gaze[0] * gaze[0] + gaze[2] * gaze[2]);
-    const float at[2] = {level * cosf(beside), gaze[1]};
-    const float end[2][2] = {{cosf(low), sinf(low)}, {cosf(high), sinf(high)}};
-    if (cross2(end[0], at) >= 0.0f && cross2(at, end[1]) >= 0.0f) return sqrtf(dot2(at, at));
-    return fmaxf(dot2(end[0], at), dot2(end[1], at));
+    /* Otherwise it lies on the nearer edge, a half circle: project the gaze onto the plane of that half
+     * circle. */
+    const float beside = 2.0f * (float)M_PI * (turn - half), low = (float)M_PI * (0.5f - bottom),
+                high = (float)M_PI * (0.5f - top);
+    vec2 at = {sqrtf(gaze[0] * gaze[0] + gaze[2] * gaze[2]) * cosf(beside), gaze[1]},
+         lowest = {cosf(low), sinf(low)}, highest = {cosf(high), sinf(high)};
+    if (glm_vec2_cross(lowest, at) >= 0.0f && glm_vec2_cross(at, highest) >= 0.0f) return glm_vec2_norm(at);
+    return fmaxf(glm_vec2_dot(lowest, at), glm_vec2_dot(highest, at));
 }
 
 bool rnd_tile_settled(const struct rnd_render *render, const struct rnd_tile *tile, int x, int y,

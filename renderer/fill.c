@@ -16,9 +16,9 @@
 enum { TOP = 6 }; /* 2^6 = RND_TILE */
 _Static_assert(RND_TILE == 1 << TOP, "the tree below has so many levels");
 
-/* A part that found nothing is taken for black if it has so many paths, and if so many of them would have
- * found light were it like the square around it: one in twenty that are finds none of three (the rule of
- * three: Hanley and Lippman-Hand 1983). */
+/* A part that found no light is taken for black once it has SURE_PATHS paths and would be expected to have
+ * SURE_HITS hits if it were like the square around it: with three expected, one part in twenty finds none
+ * (the rule of three: Hanley and Lippman-Hand 1983). */
 #define SURE_PATHS 64.0f
 #define SURE_HITS  3.0f
 
@@ -49,7 +49,7 @@ static void sum_up(const struct node *const part[4], struct node *out)
     for (int c = 0; c < 3 && parts > 1.0f; c++) out->mean[c] /= parts;
 }
 
-/* How little it says that some of the parts found nothing: 0, it is all there is to know, to 1, nothing. */
+/* How uncertain it is that the parts without light are black: 0 certain, 1 unknown. */
 static float doubt(const struct node *whole, const struct node *const part[4])
 {
     float most = 0.0f;

@@ -130,44 +130,38 @@ uint32_t rnd_film_draw_listed(struct rnd_film_tile *tile, uint32_t pixel)
     return number;
 }
 
-static void add_to_mean(float mean[3], uint32_t *count, const float rgb[3])
+static void add_to_pixel(struct rnd_film_pixel *pixel, const struct rnd_sample *s)
 {
-    const float share = 1.0f / (float)++*count;
-    for (int c = 0; c < 3; c++) mean[c] += (rgb[c] - mean[c]) * share;
-}
-
-static void add_to_pixel(struct rnd_film_pixels *pixels, const struct rnd_sample *s)
-{
-    const uint32_t h = s->number & 1;
-    add_to_mean(pixels->pixel[s->pixel].half[h], &pixels->pixel[s->pixel].count[h], s->rgb);
+    float *mean = pixel->half[s->number & 1];
+    const float share = 1.0f / (float)++pixel->count[s->number & 1];
+    for (int c = 0; c < 3; c++) mean[c] += (s->rgb[c] - mean[c]) * share;
 }
 
 /* From the list to the pixels. */
 static void spread(struct rnd_film_tile *tile)
 {
     memset(tile->pixels->pixel, 0, sizeof tile->pixels->pixel);
-    for (uint32_t i = 0; i < tile->listed; i++) add_to_pixel(tile->pixels, &tile->list[i]);
+    for (uint32_t i = 0; i < tile->listed; i++)
+        add_to_pixel(&tile->pixels->pixel[tile->list[i].pixel], &tile->list[i]);
     tile->spread = true;
 }
 
-/* Mean radiance of a pixel, 0 without a path, and how many paths there are. */
-static uint32_t pixel_mean(const struct rnd_film_pixels *pixels, uint32_t i, float out_mean[3])
+/* A pixel of a tile whose paths are still listed, as it will be among the pixels. */
+static struct rnd_film_pixel listed_pixel(const struct rnd_film_tile *tile, uint32_t i)
 {
-    const struct rnd_film_pixel *pixel = &pixels->pixel[i];
+    struct rnd_film_pixel pixel = {0};
+    for (uint32_t k = 0; k < tile->listed; k++)
+        if (tile->list[k].pixel == i) add_to_pixel(&pixel, &tile->list[k]);
+    return pixel;
+}
+
+/* Mean radiance of a pixel, 0 without a path, and how many paths there are. */
+static uint32_t pixel_mean(const struct rnd_film_pixel *pixel, float out_mean[3])
+{
     const uint32_t n = pixel->count[0] + pixel->count[1];
     const float share = n > 0 ? (float)pixel->count[1] / (float)n : 0.0f;
     for (int c = 0; c < 3; c++)
         out_mean[c] = pixel->half[0][c] + (pixel->half[1][c] - pixel->half[0][c]) * share;
-    return n;
-}
-
-/* The same of a tile whose paths are still listed. */
-static uint32_t listed_mean(const struct rnd_film_tile *tile, uint32_t pixel, float out_mean[3])
-{
-    uint32_t n = 0;
-    out_mean[0] = out_mean[1] = out_mean[2] = 0.0f;
-    for (uint32_t i = 0; i < tile->listed; i++)
-        if (tile->list[i].pixel == pixel) add_to_mean(out_mean, &n, tile->list[i].rgb);
     return n;
 }
 
@@ -176,8 +170,9 @@ static void add(struct rnd_film_tile *tile, const struct rnd_sample *s)
     const uint32_t x = s->pixel % RND_TILE, y = s->pixel / RND_TILE;
     struct rnd_film_block *block = &tile->block[y / RND_BLOCK * (RND_TILE / RND_BLOCK) + x / RND_BLOCK];
     float mean[3];
-    const uint32_t n =
-        tile->spread ? pixel_mean(tile->pixels, s->pixel, mean) : listed_mean(tile, s->pixel, mean);
+    const struct rnd_film_pixel pixel =
+        tile->spread ? tile->pixels->pixel[s->pixel] : listed_pixel(tile, s->pixel);
+    const uint32_t n = pixel_mean(&pixel, mean);
     const double share = 1.0 / (double)(n + 1);
     for (int c = 0; c < 3; c++) block->light[c] += ((double)s->rgb[c] - (double)mean[c]) * share;
     block->visited += n == 0;
@@ -185,7 +180,7 @@ static void add(struct rnd_film_tile *tile, const struct rnd_sample *s)
     block->paths++;
     tile->state.unvisited -= n == 0;
     if (tile->spread)
-        add_to_pixel(tile->pixels, s);
+        add_to_pixel(&tile->pixels->pixel[s->pixel], s);
     else
         tile->list[tile->listed++] = *s;
 }
@@ -232,10 +227,10 @@ static inline void add_part(struct rnd_sum *to, const float mean[3], float paths
 
 /* Paths of a pixel that found light, as far as its halves tell: of H such paths alike its mean has a relative
  * variance of 1 / H. Halves that agree may do so by chance, while there are few paths. */
-static float hits_of(const struct rnd_film_pixels *pixels, uint32_t i, uint32_t paths, const float mean[3])
+static float hits_of(const struct rnd_film_pixel *pixel, uint32_t paths, const float mean[3])
 {
-    const float bright = rnd_luminance(mean), even = rnd_luminance(pixels->pixel[i].half[0]),
-                odd = rnd_luminance(pixels->pixel[i].half[1]);
+    const float bright = rnd_luminance(mean), even = rnd_luminance(pixel->half[0]),
+                odd = rnd_luminance(pixel->half[1]);
     if (bright <= 0.0f) return 0.0f;
     const float deviation = 0.5f * (even - odd) / bright, most = 2.0f + (float)paths / 16.0f;
     return fminf((float)paths, fmaxf(1.0f, 1.0f / (deviation * deviation + 1.0f / most)));
@@ -270,7 +265,8 @@ static void add_listed(const struct rnd_film_tile *tile, int scale, int left, in
         float mean[3];
         if (seen[pixel]) continue;
         seen[pixel] = true;
-        const uint32_t n = listed_mean(tile, pixel, mean);
+        const struct rnd_film_pixel whole = listed_pixel(tile, pixel);
+        const uint32_t n = pixel_mean(&whole, mean);
         const int x = (int)pixel % RND_TILE, y = (int)pixel / RND_TILE;
         add_part(&sums->pixel[(top + y / scale) * RND_TILE + left + x / scale], mean, (float)n,
                  rnd_luminance(mean) > 0.0f ? 1.0f : 0.0f);
@@ -288,14 +284,15 @@ static void add_tile(const struct rnd_film_tile *tile, int scale, int left, int 
         const int shift = __builtin_ctz((unsigned)scale); /* it is a power of two */
         for (uint32_t i = 0; i < RND_TILE_PIXELS; i++) {
             float mean[3];
-            const uint32_t x = i % RND_TILE, y = i / RND_TILE, n = pixel_mean(tile->pixels, i, mean);
+            const struct rnd_film_pixel *pixel = &tile->pixels->pixel[i];
+            const uint32_t x = i % RND_TILE, y = i / RND_TILE, n = pixel_mean(pixel, mean);
             const uint32_t to = ((uint32_t)top + (y >> shift)) * RND_TILE + (uint32_t)left + (x >> shift);
             const struct rnd_film_block *block =
                 &tile->block[y / RND_BLOCK * (RND_TILE / RND_BLOCK) + x / RND_BLOCK];
             if (n == 0) continue;
-            /* how many paths find light matters beside pixels where none has */
+            /* hits matter only where a pixel of the block found no light */
             add_part(&sums->pixel[to], mean, (float)n,
-                     block->lit == block->visited ? (float)n : hits_of(tile->pixels, i, n, mean));
+                     block->lit == block->visited ? (float)n : hits_of(pixel, n, mean));
         }
     }
 }
@@ -379,7 +376,7 @@ void rnd_render_resolve(struct rnd_render *render, float *out_rgb, float *out_sa
         for (int i = 0; i < RND_TILE_PIXELS; i++) {
             const size_t to = (size_t)(top + i / RND_TILE) * film->width + left + i % RND_TILE;
             float mean[3];
-            const uint32_t n = pixel_mean(tile->pixels, (uint32_t)i, mean);
+            const uint32_t n = pixel_mean(&tile->pixels->pixel[i], mean);
             if (out_rgb) memcpy(&out_rgb[3 * to], mean, sizeof mean);
             if (out_samples) out_samples[to] = (float)n;
             if (out_error) out_error[to] = pixel_error(tile, i);
@@ -401,9 +398,9 @@ bool rnd_render_save(struct rnd_render *render, const char *path, char out_error
         float *samples = plane + 3 * count, *error = samples + count;
         rnd_render_resolve(render, plane, samples, error);
         const enum rnd_channel_type colour = rnd_exr_type(plane, 3 * count),
-                                    spread = rnd_exr_type(error, count);
+                                    error_type = rnd_exr_type(error, count);
         const struct rnd_channel channel[5] = {
-            {"R", colour}, {"G", colour}, {"B", colour}, {"samples", RND_FLOAT}, {"error", spread}};
+            {"R", colour}, {"G", colour}, {"B", colour}, {"samples", RND_FLOAT}, {"error", error_type}};
         for (size_t i = 0; i < count; i++) {
             memcpy(&data[5 * i], &plane[3 * i], 3 * sizeof *data);
             data[5 * i + 3] = samples[i];

@@ -1,4 +1,4 @@
-/* The film: tiles of pixels with two half-sums each, so that their difference tells the error.
+/* The film: tiles of pixels with two half-means each, so that their difference tells the error.
  *
  * A tile is written by one thread at a time; its lock is held only while finished samples are added, so that
  * a reader never sees half an addition and never waits for a ray. What is known of a tile is published beside
@@ -24,7 +24,7 @@ enum {
     RND_STATE_WORDS = (sizeof(struct rnd_tile) + 7) / 8,
 };
 
-/* A path's end: which pixel of its tile, what it brought. */
+/* A path's end: its pixel within the tile, and its contribution. */
 struct rnd_sample {
     uint32_t pixel;  /* RND_TILE_PIXELS: it was left out */
     uint32_t number; /* the pixel's paths before this one; even ones go to half 0, odd ones to half 1 */
@@ -70,7 +70,8 @@ struct rnd_film_tile {
     _Atomic uint64_t published[2][RND_STATE_WORDS];
 
     /* Paths that positions were drawn for; a batch that was cut short leaves some of them out. They are in
-     * the list, or if there are more than RND_FEW in the pixels. Only whoever places a batch looks at this.
+     * drawn_list, or in the pixels once there are more than RND_FEW. Only whoever places a batch looks at
+     * this.
      */
     uint32_t drawn;
     uint16_t drawn_list[RND_FEW];
@@ -100,12 +101,6 @@ bool rnd_film_init(struct rnd_film *film, int width, int height, float error_bar
 void rnd_film_finish(struct rnd_film *film);
 /* Take all paths out of a tile: it is as at first, but of that generation. */
 void rnd_film_empty(const struct rnd_film *film, struct rnd_film_tile *tile, uint32_t generation);
-
-/* Only of a tile whose paths are in its pixels. */
-static inline uint32_t rnd_film_count(const struct rnd_film_tile *tile, uint32_t pixel)
-{
-    return tile->pixels->pixel[pixel].count[0] + tile->pixels->pixel[pixel].count[1];
-}
 
 /* The number of the next path of a pixel; the one after it has the next one. */
 uint32_t rnd_film_draw_listed(struct rnd_film_tile *tile, uint32_t pixel);

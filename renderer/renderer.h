@@ -44,9 +44,9 @@ struct rnd_scene_options {
     /* Do not wait for the textures, but for those that say where a surface is or what it emits: the first
      * picture does without the others. See rnd_scene_take_textures(). */
     bool textures_later;
-    /* Lights that a surface draws reach it straight through glass that refracts or is a little rough (up to
-     * 0.25), with what that lets through, and are not found behind it by chance: far less noise, no caustics,
-     * sharp shadows behind the rough. Off: unbiased. */
+    /* Surfaces draw lights straight through glass that refracts or is a little rough (up to 0.25), weighed by
+     * what the glass lets through; paths do not find them behind it by chance. Far less noise, but no
+     * caustics, and sharp shadows behind rough glass. Off: unbiased. */
     bool clear_glass;
     bool has_eye;
     double eye[3]; /* m; without it the first camera of the file, else the middle of the scene's bounds */
@@ -158,11 +158,6 @@ int rnd_render_threads(const struct rnd_render *render);
  * runs. Readers may read meanwhile: every tile is as it was or empty, and says by its generation which. */
 void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene, const double eye[3]);
 
-/* Empty the film and go on with this scene, which may be the same, seen from eye (m), as a render that was
- * just created would: bit for bit. The former scene is not used any more once this returns. Not while a batch
- * runs. Readers may read meanwhile: every tile is as it was or empty, and says by its generation which. */
-void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene, const double eye[3]);
-
 struct rnd_batch {
     uint64_t paths, rays, not_finite; /* traced in this batch; paths that counted as black because
                                          their radiance was not finite */
@@ -215,9 +210,9 @@ int rnd_render_levels(const struct rnd_render *render);
 /* State of all level-0 tiles, row by row: (width / RND_TILE) * (height / RND_TILE) of them. */
 void rnd_render_tiles(struct rnd_render *render, struct rnd_tile *out_tiles);
 
-/* Bring tiles, which are laid out so, up to date: only those are written that have changed since the last
- * call, at the first one all. Returns how many those are, and their places in out_index, which has room for
- * all. It never waits for a batch, and costs what has changed. For one thread. */
+/* Update tiles, laid out as by rnd_render_tiles(): write those that changed since the last call, at the first
+ * call all. Returns their number; their indices go to out_index, which has room for all. Never waits for a
+ * batch. For one thread. */
 uint32_t rnd_render_published(struct rnd_render *render, struct rnd_tile *tiles, uint32_t *out_index);
 
 /* Is the tile's sure_error below what the eye can see at the eccentricity of its nearest point? Contrast
@@ -231,9 +226,9 @@ bool rnd_tile_settled(const struct rnd_render *render, const struct rnd_tile *ti
 /* What is to be shown of the tile (x, y) at a level: RND_TILE x RND_TILE x RGB floats, of radiance. Every
  * pixel of the film counts alike, however many paths it has. A pixel without a path takes the mean of the
  * smallest square around it, by powers of two within the tile, that has one; one that found no light in few
- * paths lends from such a square, which keeps its mean: see fill.c. False if the tile is empty, or just being
- * emptied; also if a thread that adds to it has been put aside by the system meanwhile: it is worth another
- * try then, a little later. *out_state (may be NULL) sums up the level-0 tiles below it. */
+ * paths borrows from such a square, which keeps its mean: see fill.c. False if the tile is empty, or just
+ * being emptied; also if a thread that adds to it has been put aside by the system meanwhile: it is worth
+ * another try then, a little later. *out_state (may be NULL) sums up the level-0 tiles below it. */
 bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *out_rgb,
                      struct rnd_tile *out_state);
 

@@ -27,6 +27,13 @@ static inline void rnd_to_uv(vec3s d, float *out_u, float *out_v)
     *out_v = 0.5f - asinf(fmaxf(-1.0f, fminf(1.0f, d.y))) * (float)(1.0 / M_PI);
 }
 
+/* Solid angle of a texel of a row of an equirectangular image, but for a factor that all rows have in common.
+ */
+static inline float rnd_row_weight(int row, int height)
+{
+    return sinf(((float)row + 0.5f) * (float)M_PI / (float)height);
+}
+
 /* Angle between unit vectors, rad: exact for small angles too, where acos is not. */
 static inline float rnd_angle(vec3s a, vec3s b)
 {

@@ -15,17 +15,11 @@ struct mipmap {
     float *memory; /* of all levels */
 };
 
-/* Solid angle of a texel of a row, but for a factor that all rows have in common. */
-static float row_weight(int row, int height)
-{
-    return sinf(((float)row + 0.5f) * (float)M_PI / (float)height);
-}
-
 /* Halve a level. Rows count by their solid angle. */
 static void halve(const float *from, int width, int height, float *to)
 {
     for (int y = 0; y < height / 2; y++) {
-        const float above = row_weight(2 * y, height), below = row_weight(2 * y + 1, height);
+        const float above = rnd_row_weight(2 * y, height), below = rnd_row_weight(2 * y + 1, height);
         const float weight[2] = {0.5f * above / (above + below), 0.5f * below / (above + below)};
         for (int x = 0; x < width / 2; x++)
             for (int c = 0; c < 3; c++) {
@@ -39,7 +33,7 @@ static void halve(const float *from, int width, int height, float *to)
  * them, on either side, as are as wide as high. prefix has room for width + 1 sums. */
 static void widen_row(float *row, int width, int y, int height, double (*prefix)[3])
 {
-    const double wide = fmin(1.0 / row_weight(y, height), width);
+    const double wide = fmin(1.0 / rnd_row_weight(y, height), width);
     if (wide < 1.001) return;
     memset(prefix[0], 0, sizeof prefix[0]);
     for (int x = 0; x < width; x++)

@@ -1,8 +1,8 @@
 /* Light straight through glass: an approximation, for shadow rays alone.
  *
- * Each surface lets through what it would of a ray that runs without as the shadow ray does: the two sides of
- * a window are parallel, so that the angle within, which the ray does not take, is that of no surface's
- * without. Volumes absorb over the way between. */
+ * Each surface lets through what it would let through of a ray that meets it from outside in the shadow ray's
+ * direction. In a window, whose two sides are parallel, that is the true angle at both of them. Volumes
+ * absorb along the way between. */
 #include "path/glass.h"
 #include "path/rich.h"
 
@@ -73,7 +73,7 @@ struct rnd_v3 rnd_clear_transmittance(const struct rnd_scene *scene, struct rnd_
         last = hit.ray.tfar;
         near = last + 1e-6f + 1e-5f * last;
     }
-    if (inside && distance < INFINITY) { /* the light is */
+    if (inside && distance < INFINITY) { /* the light is inside the glass */
         surface.front = false;
         left = glms_vec3_mul(left, rnd_transmittance(&surface, distance - last));
     }

@@ -234,8 +234,8 @@ RND_INLINE void rnd_mr_draw(const struct rnd_mr *m, struct rnd_v3 wo, float u0, 
  * surface around the bump reflects it once more, so that a lobe's part below is folded back about the
  * triangle's plane, and a white metal stays white whatever its normal. (To bend the normal until the mirror
  * direction is above, as Keller et al. 2017, "The Iray light transport simulation and rendering system",
- * section A.3, and Cycles do, keeps a mirror bright but loses up to half of a rough lobe.) A matt lobe is
- * not folded: its part below is what such a bump hides from itself. */
+ * section A.3, and Cycles do, keeps a mirror bright but loses up to half of a rough lobe.) The diffuse lobe
+ * is not folded: the light below the triangle is light that the bump hides from itself. */
 
 /* A direction mirrored about the plane of a unit normal. */
 RND_INLINE struct rnd_v3 rnd_fold(struct rnd_v3 w, struct rnd_v3 normal)

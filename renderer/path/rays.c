@@ -1,5 +1,4 @@
-/* Rays and Embree: the only place where paths are traced. Whole waves go to Embree in the arrays that they
- * are in.
+/* The rays of a wave: they go to Embree together, in the arrays that they are in.
  *
  * What is one-sided is not there for an eye that looks at its back: glTF's back-face culling (glTF 2.0,
  * section 3.9.6), which speaks of what is seen. For light every surface has two sides, or walls that are
@@ -111,7 +110,9 @@ static void pass_glass(struct rnd_tracer *tracer, uint32_t i)
     } else if (rnd_clear_is_free(tracer->scene, from, to, s->distance[i])) {
         left = rnd_v3(1, 1, 1);
     }
-    rnd_put(&s->radiance, i, rnd_v3_mul(rnd_get(&s->radiance, i), left));
+    rnd_put(&s->radiance, i,
+            rnd_clamp_firefly(rnd_v3_mul(rnd_get(&s->radiance, i), left),
+                              rnd_firefly_limit(tracer, tracer->depth)));
 }
 
 void rnd_occlude(struct rnd_tracer *tracer)

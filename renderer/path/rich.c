@@ -305,7 +305,7 @@ static struct rnd_v3 pass(const struct view *v, struct rnd_v3 h, float cos_t)
 
 /* Light that smooth glass reflects or lets through: u chooses. Radiance is squeezed by the square of the
  * index where it is refracted (Veach 1997, section 5.2). */
-static bool draw_smooth_glass(const struct view *v, float u, struct rnd_bsdf_sample *out)
+static void draw_smooth_glass(const struct view *v, float u, struct rnd_bsdf_sample *out)
 {
     const struct rnd_v3 up = {0, 0, 1};
     const struct parting p = part(v, v->wo.z);
@@ -321,7 +321,6 @@ static bool draw_smooth_glass(const struct view *v, float u, struct rnd_bsdf_sam
     const struct rnd_v3 geometric = rnd_to_v3(v->s->geometric);
     if (reflect != (glms_vec3_dot(out->wi, v->s->geometric) > 0.0f))
         out->wi = rnd_from_v3(rnd_fold(rnd_to_v3(out->wi), geometric));
-    return true;
 }
 
 bool rnd_rich_draw(const struct rnd_surface *surface, vec3s wo, const float u[3], struct rnd_bsdf_sample *out)
@@ -347,7 +346,10 @@ bool rnd_rich_draw(const struct rnd_surface *surface, vec3s wo, const float u[3]
         glossy = choose < rnd_mr_view(&v.mr, fmaxf(v.wo.z, RND_MIN_COSINE)).share;
     } else {
         const float choose = fminf((rest - v.p_mr) / v.p_glass, 0x1.fffffep-1f);
-        if (v.smooth) return draw_smooth_glass(&v, choose, out);
+        if (v.smooth) {
+            draw_smooth_glass(&v, choose, out);
+            return true;
+        }
         const struct rnd_v3 h = rnd_draw_ggx_normal(v.wo, surface->alpha, u[0], u[1]);
         const struct parting p = part(&v, rnd_v3_dot(v.wo, h));
         above = choose < p.p_reflect;

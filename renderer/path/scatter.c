@@ -66,7 +66,8 @@ RND_INLINE struct rnd_mr metal_rough_at(const struct rnd_surfaces *s, size_t j)
                   s->f90[j]);
 }
 
-/* A point at which some of the glossy lobe is below the triangle, and folds onto a direction in question. */
+/* A point where part of the glossy lobe is below the triangle and is folded onto the light's direction or the
+ * drawn one. */
 static void folded(struct rnd_tracer *tracer, size_t j)
 {
     const struct rnd_surfaces *s = &tracer->surfaces;
@@ -111,7 +112,8 @@ static void metal_rough(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
         const struct rnd_v3 wi = rnd_v3_to_world(&frame, local);
         const float height = rnd_v3_dot(light, geometric), lit = height > 0.0f ? 1.0f : 0.0f,
                     above = rnd_v3_dot(wi, geometric), twice = 2.0f * rnd_v3_dot(frame.z, geometric);
-        /* above the shading normal, once mirrored about the triangle: then the lobe goes on below it */
+        /* the direction mirrored about the triangle is above the shading normal's plane: folding adds to it
+         */
         folds[j] = ((height > 0.0f) & (local_light.z > twice * height)) |
                    ((pdf > 0.0f) & ((above <= 0.0f) | (local.z > twice * above)));
         any |= folds[j];
@@ -131,10 +133,11 @@ static void metal_rough(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
  * stands for light that was drawn. Reflections on glass are no part of that, so they are found as ever; and
  * glass itself draws no light through other glass. */
 
-/* A density by which all that a drawn light could have found has no weight, and what it could not has all. */
+/* A density so small that MIS gives no weight to a light that could have been drawn, and full weight to one
+ * that could not. */
 #define LEFT_OUT 1e-37f
 
-/* Is the light of point j one that paths to here stand for already? */
+/* Has the surface that the path came from already drawn such light through the glass at point j? */
 static bool is_drawn_before(const struct rnd_tracer *tracer, uint32_t j)
 {
     return tracer->scene->clear_tree && tracer->paths[1].stood_for[j] &&
@@ -202,7 +205,8 @@ static void cast_shadows(struct rnd_tracer *tracer, uint32_t count)
     const struct rnd_surfaces *s = &tracer->surfaces;
     const struct rnd_light_choices *lights = &tracer->lights;
     struct rnd_shadows *to = &tracer->shadows;
-    const float limit = rnd_firefly_limit(tracer, tracer->depth);
+    /* where glass is clear, light is clamped once the glass has weighed it */
+    const float limit = tracer->scene->clear_tree ? INFINITY : rnd_firefly_limit(tracer, tracer->depth);
     uint32_t *order = tracer->order, n = 0;
     for (uint32_t j = 0; j < count; j++) {
         order[n] = j;

@@ -22,7 +22,7 @@ void ISA(rnd_start)(struct rnd_tracer *tracer, const float eye[3], uint32_t coun
         paths->seed[i] = own;
         paths->index[i] = index;
     }
-    memset(paths->stood_for, 0, count * sizeof *paths->stood_for);
+    if (tracer->scene->clear_tree) memset(paths->stood_for, 0, count * sizeof *paths->stood_for);
     for (uint32_t i = 0; i < count; i++) {
         rnd_put(&paths->origin, i, rnd_v3(eye[0], eye[1], eye[2]));
         rnd_put(&paths->throughput, i, rnd_v3(1, 1, 1));

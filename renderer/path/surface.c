@@ -457,19 +457,19 @@ void ISA(rnd_emission)(struct rnd_tracer *tracer, uint32_t count)
     const struct rnd_paths *paths = &tracer->paths[1];
     const struct rnd_surfaces *s = &tracer->surfaces;
     const struct rnd_alias *alias = tracer->choice->lamps[RND_LIGHT_AREA];
-    if (!lights->has[RND_LIGHT_AREA]) return;
+    if (lights->area_count == 0) return;
     for (uint32_t j = 0; j < count; j++) {
         const struct rnd_mesh *mesh = &scene->mesh[s->mesh[j]];
         if (mesh->first_light == UINT32_MAX) continue;
-        const uint32_t lamp = rnd_area_at(lights, mesh->first_light + s->triangle[j], s->u[j], s->v[j]);
-        const struct rnd_area *area = &lights->area[lamp];
+        const uint32_t drawn = rnd_area_at(lights, mesh->first_light + s->triangle[j], s->u[j], s->v[j]);
+        const struct rnd_area *area = &lights->area[drawn];
         if (!s->front[j] && !(area->flags & RND_AREA_DOUBLE)) continue;
         const struct rnd_v3 direction = rnd_get(&paths->direction, j);
         float weight = 1.0f;
-        if (paths->pdf[j] > 0.0f)
+        if (paths->pdf[j] > 0.0f && lights->has[RND_LIGHT_AREA])
             weight = rnd_power_heuristic(
                 paths->pdf[j], tracer->choice->group[RND_LIGHT_AREA] *
-                                   rnd_area_pdf(area, alias->probability[lamp], direction, s->distance[j]));
+                                   rnd_area_pdf(area, alias->probability[drawn], direction, s->distance[j]));
         const struct rnd_v3 radiance = rnd_v3_scale(rnd_area_emission(scene, area, s->u[j], s->v[j]), weight);
         add(tracer, paths->id[j], rnd_v3_mul(radiance, rnd_get(&paths->throughput, j)));
     }

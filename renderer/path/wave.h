@@ -38,8 +38,8 @@ struct rnd_paths {
     rnd_floats width;
     rnd_words seed, index; /* address of its random numbers */
     rnd_words id;          /* which of the wave's answers is its */
-    /* In scenes with clear glass: lights that are drawn stand for what the path finds behind the glass that
-     * it passes: 0 or 1. */
+    /* In scenes with clear glass: 1 while the path has only passed clear glass since a surface that drew a
+     * light through it, so that light found now is counted already; else 0. */
     rnd_words stood_for;
 };
 
@@ -80,7 +80,7 @@ struct rnd_areas {
 /* What surfaces do: with the chosen light, and where the paths go on. */
 struct rnd_scatters {
     struct rnd_vectors brought; /* radiance that the path brings if the light is not hidden */
-    rnd_floats share;           /* of it, in what both ways that find the light bring together */
+    rnd_floats share;           /* MIS weight of the chosen light */
     struct rnd_vectors direction, weight;
     rnd_floats pdf; /* of the direction; 0: a single direction; negative: the path ends */
 };
@@ -102,8 +102,8 @@ struct rnd_shadows {
     uint32_t count;
     struct rnd_vectors origin, direction, radiance;
     rnd_floats distance; /* -INFINITY once something was found in between */
-    /* In scenes with clear glass, for light that comes through it: by what its radiance counts more, since no
-     * path finds it by chance; 0: it does not come through. */
+    /* In scenes with clear glass: factor of light that came through it, which takes the MIS weight away,
+     * since no path finds that light by chance; 0: light through glass does not count. */
     rnd_floats through;
     rnd_words id; /* as of paths */
 };
@@ -202,8 +202,8 @@ RND_INLINE void rnd_dither(uint32_t seed, uint32_t index, uint32_t which, float 
     *out_s = (float)(int32_t)(h >> 16) * 0x1p-16f;
 }
 
-/* What luminance of light is clamped to, that surface arrived at: the eye's first surface is 0. Light is
- * clamped if it came by way of a second surface, whichever way it was found. */
+/* Limit of the luminance of light that arrives at a surface of the path; the first surface that the eye sees
+ * is 0. Only indirect light is clamped, however it was found. */
 RND_INLINE float rnd_firefly_limit(const struct rnd_tracer *tracer, int surface)
 {
     return surface > 0 ? tracer->firefly : INFINITY;

@@ -16,7 +16,6 @@ struct rnd_alpha {
     const struct rnd_mesh *mesh; /* NULL: it is there everywhere */
     const struct rnd_material *material;
     const struct rnd_texture *texture;
-    bool clear; /* shadow rays pass */
 };
 
 /* --- coverage --- */
@@ -53,7 +52,7 @@ static float chance(const struct rnd_material *material, float there)
 bool rnd_has_coverage(const struct rnd_scene *scene, uint32_t mesh)
 {
     const struct rnd_alpha *alpha = &scene->alpha[mesh];
-    return alpha->mesh && !alpha->clear && !rnd_is_pane(alpha->mesh, alpha->material);
+    return alpha->mesh && !rnd_is_pane(alpha->mesh, alpha->material);
 }
 
 float rnd_coverage(const struct rnd_scene *scene, uint32_t mesh, uint32_t triangle, float u, float v)
@@ -82,7 +81,7 @@ static uint32_t mix(uint32_t hash, uint32_t value)
 }
 
 /* Embree's names for the parts of a packet of N are C++; their layout is documented: a row of N each (struct
- * RTCRayNp and RTCHitNp list them in order). */
+ * RTCRay8 and RTCHit8 list them in order). */
 enum {
     RAY_ORG_X = 0,
     RAY_DIR_X = 4,
@@ -190,7 +189,6 @@ bool rnd_alpha_build(struct rnd_scene *scene)
         const struct rnd_material *material = &scene->material[mesh->material];
         if (rnd_is_pane(mesh, material))
             scene->alpha[i] = (struct rnd_alpha){.scene = scene, .mesh = mesh, .material = material};
-        if (rnd_is_clear(scene, i)) scene->alpha[i] = (struct rnd_alpha){.mesh = mesh, .clear = true};
         if (material->alpha_mode == RND_OPAQUE) continue;
         const float whole = material->alpha_mode == RND_MASK ? material->alpha_cutoff : 1.0f;
         if (material->alpha >= whole && !texture[mesh->material] && !mesh->colour) continue;
@@ -204,11 +202,11 @@ bool rnd_alpha_build(struct rnd_scene *scene)
 void rnd_alpha_attach(const struct rnd_scene *scene, uint32_t mesh, RTCGeometry geometry)
 {
     struct rnd_alpha *alpha = &scene->alpha[mesh];
-    if (!alpha->mesh) return;
-    if (alpha->clear) {
+    if (rnd_is_clear(scene, mesh)) {
         rtcSetGeometryOccludedFilterFunction(geometry, clear_filter);
         return;
     }
+    if (!alpha->mesh) return;
     const RTCFilterFunctionN passes =
         rnd_is_pane(alpha->mesh, alpha->material) ? pane_filter : coverage_filter;
     rtcSetGeometryUserData(geometry, alpha);

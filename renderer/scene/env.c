@@ -20,7 +20,7 @@ static float weight_of(const struct rnd_env *env, int x, int y)
     float sum = 0.0f;
     for (int dy = -1; dy <= 1; dy++)
         for (int dx = -1; dx <= 1; dx++) sum += rnd_luminance(texel(env, x + dx, y + dy));
-    return sum * sinf((float)M_PI * (y + 0.5f) / env->height);
+    return sum * rnd_row_weight(y, env->height);
 }
 
 /* The largest half: what clipped to infinity was at least as bright. And what weights can be summed up to. */

@@ -15,12 +15,6 @@ static struct rnd_scene *load(const char *path, const char *env, const float *su
     return scene;
 }
 
-static void assert_within(const char *what, double value, double expected, double relative)
-{
-    print_message("%-52s %.5f of %.5f: %+.2f %%\n", what, value, expected, 100.0 * (value / expected - 1.0));
-    assert_true(fabs(value / expected - 1.0) < relative);
-}
-
 /* A floor of albedo 1/2 under a slab of MTL glass, 0.2 m thick; eye between. */
 static const char *slab(const char *glass)
 {

@@ -162,7 +162,7 @@ static const char *emitter(const char *material, const char *attributes, const c
     "\"pbrMetallicRoughness\":{\"baseColorFactor\":[0,0,0,1],\"metallicFactor\":0,"                          \
     "\"baseColorTexture\":{\"index\":0}}"
 
-/* One of the two wrap modes of the images: repeated, or mirrored along u and clamped along v. */
+/* Both images as textures, with this sampler. */
 static const char *images(const char *wrap)
 {
     static char text[400];

@@ -3,13 +3,6 @@
 
 static const double deg = M_PI / 180.0;
 
-/* Prints and holds a measured value to what it must be. */
-static void assert_within(const char *what, double value, double expected, double relative)
-{
-    print_message("%-44s %.5f of %.5f: %+.3f %%\n", what, value, expected, 100.0 * (value / expected - 1.0));
-    assert_true(fabs(value / expected - 1.0) < relative);
-}
-
 static const char *box_scene(const char *name, const char *material, const double low[3],
                              const double high[3])
 {

@@ -21,7 +21,7 @@ static double random_unit(uint64_t *state)
     return random_bits(state) / 2147483648.0;
 }
 
-/* What a path brings of a pixel (x, y) of the film. */
+/* Contribution of a path of the pixel (x, y) of the film. */
 typedef double (*world)(int x, int y, uint64_t *random);
 
 /* rounds times TILE_PATHS paths in every pixel. */
@@ -105,8 +105,8 @@ static double half_rare(int x, int y, uint64_t *random)
     return x >= SIDE ? rare(x, y, random) : calm(x, y, random);
 }
 
-/* A noisy wall, and a lamp of 1000 in a hundredth of the tile, without noise. */
-static double lamp_and_noise(int x, int y, uint64_t *random)
+/* A noisy wall, and an emitter of 1000 in a hundredth of the tile, without noise. */
+static double emitter_and_noise(int x, int y, uint64_t *random)
 {
     if (x % SIDE < 8 && y < 5) return 1000;
     return random_unit(random) < 0.1 ? 10 : 0;
@@ -121,7 +121,7 @@ static void no_news(void **state)
     /* black at first, and with a few bright pixels then: a block finds some 0.8 of them a round */
     assert_int_equal(rounds_to_converge(128, rare, 1, 100, &tile), 100);
     assert_true(tile.sure_error > 0.5f);
-    print_message("found by one path in 10,000: error %.2f after 200 paths a pixel\n", (double)tile.error);
+    print_message("found by one path in 10,000: error %.2f after 200 paths per pixel\n", (double)tile.error);
 }
 
 /* What is black for good does not keep the rest from ending, what is black by bad luck does. */
@@ -131,7 +131,7 @@ static void black_beside_light(void **state)
     struct rnd_tile tile;
     const int light = rounds_to_converge(128, calm, 1, 200, &tile),
               black = rounds_to_converge(128, half_black, 1, 200, &tile);
-    print_message("converged after %d paths a pixel, beside black after %d\n", TILE_PATHS * light,
+    print_message("converged after %d paths per pixel, beside black after %d\n", TILE_PATHS * light,
                   TILE_PATHS * black);
     assert_true(light < 200 && black <= 4 * light);
     assert_int_equal(rounds_to_converge(128, half_rare, 1, 100, &tile), 100);
@@ -143,7 +143,7 @@ static void bright_hides_nothing(void **state)
     struct rnd_render render;
     uint64_t random = 5;
     begin(&render, 128);
-    add_rounds(&render.film, lamp_and_noise, 1, 13, &random);
+    add_rounds(&render.film, emitter_and_noise, 1, 13, &random);
     /* 26 paths, a tenth of which bring 10: relative variance 9 / 26 */
     const struct rnd_tile *tile = &render.film.tile[0].state;
     print_message("error %.3f, that of the wall is %.3f\n", (double)tile->error, sqrt(9.0 / 26));
@@ -161,7 +161,7 @@ static void units(void **state)
     int rounds[4];
     for (int k = 0; k < 4; k++) {
         rounds[k] = rounds_to_converge(128, half_black, scale[k], 200, &tile[k]);
-        print_message("light times %g: %d paths a pixel, error %.4f\n", scale[k], TILE_PATHS * rounds[k],
+        print_message("light times %g: %d paths per pixel, error %.4f\n", scale[k], TILE_PATHS * rounds[k],
                       (double)tile[k].error);
         assert_int_equal(rounds[k], rounds[0]);
         assert_float_equal(tile[k].error, tile[0].error, 1e-3 * tile[0].error);
@@ -171,7 +171,7 @@ static void units(void **state)
 
 /* --- sums --- */
 
-/* Of 0.3 exactly, so many times in each pixel of a block; and of 1 and 0 beside it. */
+/* So many paths of 0.3 in each pixel of a block: the mean stays exact at every level. */
 static void many_paths(void **state)
 {
     (void)state;
@@ -313,8 +313,8 @@ static void rare_light_shown(void **state)
             }
             assert_float_equal(seen, true_mean, 1e-3 * true_mean);
             if (paths == 1 || paths == 4 || paths == 16 || paths == 64)
-                print_message("light of %g of the paths, %d a pixel: %.4f of it is shown\n", share[k], paths,
-                              seen / true_mean);
+                print_message("light of %g of the paths, %d per pixel: %.4f of it is shown\n", share[k],
+                              paths, seen / true_mean);
         }
         rnd_film_finish(&render.film);
     }

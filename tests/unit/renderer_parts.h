@@ -8,6 +8,13 @@
 
 #include "scene/scene.h"
 
+/* Prints and holds a measured value to what it must be. */
+static inline void assert_within(const char *what, double value, double expected, double relative)
+{
+    print_message("%-52s %.5f of %.5f: %+.3f %%\n", what, value, expected, 100.0 * (value / expected - 1.0));
+    assert_true(fabs(value / expected - 1.0) < relative);
+}
+
 #define NEAR(a, b) assert_float_equal(a, b, 1e-4)
 
 /* Bytes of a buffer of their own, whose view and accessor have its number; the accessor's keys but for the

@@ -94,7 +94,7 @@ static void readers(void **state)
     assert_memory_equal(&alone, &watched, sizeof alone);
 }
 
-/* Of tiles that have changed, and of these alone, one is told what they have become. */
+/* Only tiles that changed are reported, with their new state. */
 static void published(void **state)
 {
     (void)state;
