@@ -136,7 +136,7 @@ struct dmn_pyramid {
 /* levels as rnd_render_levels() gives it. False if memory is short. */
 bool dmn_pyramid_init(struct dmn_pyramid *pyramid, int width, int height, int levels);
 void dmn_pyramid_finish(struct dmn_pyramid *pyramid);
-/* Set the state of a tile of level 0; afterwards, of those that were set, sum them up level by level. */
+/* Set the states of level-0 tiles, then sum up the changed ones level by level. */
 void dmn_pyramid_set(struct dmn_pyramid *pyramid, size_t index, const struct dmn_state *state);
 void dmn_pyramid_update(struct dmn_pyramid *pyramid);
 

@@ -63,8 +63,10 @@ static unsigned char byte_at(const char *text, const char *end, bool of_uri, siz
 
     *length = 1;
     if (of_uri && byte == '%' && end - text >= 3 && isxdigit((unsigned char)text[1]) &&
-        isxdigit((unsigned char)text[2]) && sscanf(text + 1, "%2x", &byte) == 1)
+        isxdigit((unsigned char)text[2])) {
+        byte = (unsigned)strtoul((const char[]){text[1], text[2], '\0'}, NULL, 16);
         *length = 3;
+    }
     return (unsigned char)byte;
 }
 

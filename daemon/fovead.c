@@ -181,6 +181,7 @@ static bool start(struct daemon *daemon)
         .threads = daemon->options.render.threads,
         .batch_seconds = daemon->options.gaze || daemon->listeners ? STEERED_SECONDS : UNSTEERED_SECONDS,
         .wake = dmn_loop_wake,
+        .warn = dmn_report_warnings,
     };
     char error[PRO_ERROR_SIZE];
 

@@ -147,8 +147,8 @@ void dmn_gaze_close(struct dmn_gaze *gaze)
 /* --- decisions: with the lock held
  * ------------------------------------------------------------------------------ */
 
-/* Where the head is, or as long as that is unknown where the eye looks, the viewport is. Neither under a lid
- * nor while no eye is seen does it move. */
+/* The viewport is where the head is, or where the eye looks as long as the head is unknown. It stays while a
+ * lid is down or no eye is seen. */
 static void take_view(struct dmn_gaze *gaze, const struct trk_sample *sample)
 {
     if (gaze->frozen) return;

@@ -16,10 +16,9 @@ enum {
     BURST = 8,                                     /* frames to one client before others have their turn */
 };
 
-/* How often the states of tiles are looked at: not more often than this, and for a tenth of the loop's time
- * at most, which matters for the largest films; but no pause is longer than the other. What a look costs is
- * what it has of the processor: on a busy machine it may take long, and that is no reason to look less often.
- */
+/* The states of tiles are looked at every LOOK_NS at most, and for at most a tenth of the loop's time, which
+ * matters for large films; but at least every LONGEST_PAUSE_NS. The cost of a look is processor time: on a
+ * busy machine a look may last long without costing more. */
 static const uint64_t LOOK_NS = 2000000, LONGEST_PAUSE_NS = 100000000;
 enum { LOOK_SHARE = 10 };
 
@@ -43,9 +42,7 @@ struct dmn_loop {
     bool look_waits;
     uint64_t looked_ns, look_cost_ns, painted; /* batches painted at the last look */
     struct rnd_tile *tiles;
-    uint32_t *changed;   /* room for the places of all of them */
-    float gaze[3];       /* that they are settled for */
-    uint64_t generation; /* of the picture that they are of, from 1; 0: before the first look */
+    uint32_t *changed; /* room for the places of all of them */
     bool stop;
 };
 
@@ -67,17 +64,17 @@ static void ask_to_write(struct dmn_loop *loop)
         if (dmn_session_wants(peer->session)) lws_callback_on_writable(peer->wsi);
 }
 
-/* A picture that is just being emptied is empty: of tiles that are still what they were before, too. True if
- * a new one has begun. */
-static bool drop_old(struct dmn_loop *loop, const uint32_t *changed, uint32_t changes, size_t count)
+/* When a new generation begins, count tiles that still show the former one as empty. True if one has begun.
+ */
+static bool drop_old(struct dmn_loop *loop, uint32_t changes, size_t count)
 {
-    uint64_t newest = loop->generation;
+    uint64_t newest = loop->common->generation;
 
     for (uint32_t i = 0; i < changes; i++)
-        if (loop->tiles[changed[i]].generation + 1ull > newest)
-            newest = loop->tiles[changed[i]].generation + 1ull;
-    if (newest == loop->generation) return false;
-    loop->generation = newest;
+        if (loop->tiles[loop->changed[i]].generation + 1ull > newest)
+            newest = loop->tiles[loop->changed[i]].generation + 1ull;
+    if (newest == loop->common->generation) return false;
+    loop->common->generation = newest;
     for (size_t i = 0; i < count; i++)
         if (loop->tiles[i].generation + 1ull != newest)
             loop->tiles[i] = (struct rnd_tile){
@@ -93,7 +90,7 @@ static void take_tile(struct dmn_loop *loop, size_t i)
     int columns = common->pyramid.level[0].columns;
     struct dmn_state state = {tile->samples, tile->converged,
                               rnd_tile_settled(common->render, tile, (int)i % columns, (int)i / columns,
-                                               loop->gaze)},
+                                               common->direction)},
                      before = common->pyramid.state[i];
 
     common->visited += (state.samples > DMN_OUTLINE_PATHS) - (before.samples > DMN_OUTLINE_PATHS);
@@ -110,19 +107,15 @@ static void look(struct dmn_loop *loop)
     uint64_t began_ns = processor_ns();
     uint32_t changes;
     struct dmn_gaze_state gaze;
+    bool all;
 
     loop->looked_ns = dmn_now_ns();
     dmn_gaze_state(common->gaze, &gaze);
-    memcpy(common->direction, gaze.direction, sizeof(common->direction));
     changes = rnd_render_published(common->render, loop->tiles, loop->changed);
-    if (drop_old(loop, loop->changed, changes, count) ||
-        memcmp(loop->gaze, gaze.direction, sizeof(loop->gaze))) {
-        memcpy(loop->gaze, gaze.direction, sizeof(loop->gaze));
-        for (size_t i = 0; i < count; i++) take_tile(loop, i);
-    } else {
-        for (uint32_t i = 0; i < changes; i++) take_tile(loop, loop->changed[i]);
-    }
-    common->generation = loop->generation;
+    all = drop_old(loop, changes, count) ||
+          memcmp(common->direction, gaze.direction, sizeof(common->direction));
+    memcpy(common->direction, gaze.direction, sizeof(common->direction));
+    for (size_t i = 0; i < (all ? count : changes); i++) take_tile(loop, all ? i : loop->changed[i]);
     dmn_pyramid_update(&common->pyramid);
     common->version++;
     loop->look_cost_ns = processor_ns() - began_ns;
@@ -412,7 +405,7 @@ void dmn_loop_wake(void *loop)
 
 void dmn_loop_run(struct dmn_loop *loop)
 {
-    trk_be_prompt(); /* before the threads that trace paths, which would always go on */
+    trk_be_prompt(); /* messages come before the threads that trace paths */
     lws_sul_schedule(loop->context, 0, &loop->tick, on_tick, TICK_US);
     while (!loop->stop && lws_service(loop->context, 0) >= 0) continue;
     lws_sul_cancel(&loop->tick);

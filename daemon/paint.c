@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "report.h"
+#include "paint.h"
 
 enum {
     FIRST_PATHS = 2048, /* of the first batch: short on any machine */
@@ -14,8 +14,8 @@ enum {
     VIRTUAL_PATHS = 4096,
     JUDGE_EVERY = 32, /* batches between two looks at whether all tiles have converged */
 };
-/* How many times as long as its threads have of the processors a batch takes on a machine that does nothing
- * else; and how many times as long as aimed at it may take on one that does. */
+/* On an idle machine a batch takes SLOWER_ALONE times the processor time of each of its threads. On a busy
+ * one it may take up to MOST_LONGER times batch_seconds. */
 static const double SLOWER_ALONE = 1.3, MOST_LONGER = 8, LEAST_OF_BATCH = 0.5;
 static const uint64_t VIRTUAL_STEP_NS = 5000000;
 static const uint64_t LATELY_NS = 500000000;
@@ -115,11 +115,10 @@ static bool book(struct dmn_painter *painter, const struct rnd_batch *batch, uin
     return work.share >= 1;
 }
 
-/* Time of a processor that each thread should have for a batch, where the last one took slower times as long
- * as its threads had. Where nothing else computes, the batch is to take the time aimed at. Where its threads
- * wait for others it is longer, since at its end every batch waits for the last of them; but whoever moves
- * their eyes waits for all that passes, so there is an end to that. Below some length a batch is mostly what
- * is done once for each. */
+/* Processor time that each thread should have for the next batch. slower is how many times longer the last
+ * batch took than each of its threads computed. On an idle machine a batch takes batch_seconds. On a busy one
+ * it is longer, since it ends by waiting for its last thread; but not too long, since a moved gaze waits for
+ * its end. Below LEAST_OF_BATCH of batch_seconds it would be mostly overhead. */
 static double aimed_seconds(const struct dmn_painter_options *options, double slower)
 {
     double longer = slower * slower / (SLOWER_ALONE * SLOWER_ALONE);
@@ -165,7 +164,7 @@ static bool restart(struct dmn_painter *painter)
     bool due;
 
     painter->reading = textures == RND_TEXTURES_READING;
-    dmn_report_warnings(warnings);
+    painter->options.warn(warnings);
     pthread_mutex_lock(&painter->lock);
     due = painter->due || textures == RND_TEXTURES_CAME;
     next = painter->next;

@@ -16,9 +16,10 @@ struct dmn_painter_options {
     uint32_t tiles;          /* of its finest level */
     struct dmn_until until;
     bool virtual_clock;
-    int threads;                 /* of the render */
-    double batch_seconds;        /* aimed at with the real clock, where nothing else computes */
-    void (*wake)(void *context); /* called after every batch, from the painter's thread */
+    int threads;                     /* of the render */
+    double batch_seconds;            /* aimed at with the real clock, where nothing else computes */
+    void (*wake)(void *context);     /* called after every batch, from the painter's thread */
+    void (*warn)(const char *lines); /* of textures that came late; from the painter's thread */
     void *context;
 };
 

@@ -10,9 +10,9 @@
 /* Tiles under way unacknowledged, unless the client asks for another number; and the most it may ask for. */
 enum { WINDOW = 64, MOST_WINDOW = 1024 };
 
-/* A client may take so long to say Hello, and to finish a frame that it began: 5 s, by calls of
- * dmn_session_check(), which is called after what has come was taken. Where the system lets the daemon run
- * late, what a client sent in time may lie in its socket for as long. */
+/* A client has 5 s to say Hello, and to finish a frame that it began. Counted in calls of
+ * dmn_session_check(), not by the clock: if the daemon runs late, what the client sent in time is taken
+ * before the next call. */
 enum { PATIENCE = 5 * DMN_CHECKS_A_SECOND };
 
 struct dmn_session *dmn_session_create(const struct dmn_session_options *options)

@@ -53,8 +53,8 @@ bool dmn_session_greeted(const struct dmn_session *session);
 /* Bytes from the client. False with a line in out_error if it must be dropped. */
 bool dmn_session_take(struct dmn_session *session, const void *bytes, size_t count,
                       char out_error[PRO_ERROR_SIZE]);
-/* To be called so often, in turns with what takes the client's bytes. False with a line in out_error if the
- * client is overdue with its Hello or the rest of a frame. */
+/* Call it DMN_CHECKS_A_SECOND times per second, each time after the client's bytes were taken. False with a
+ * line in out_error if the client is overdue with its Hello or the rest of a frame. */
 enum { DMN_CHECKS_A_SECOND = 4 };
 bool dmn_session_check(struct dmn_session *session, char out_error[PRO_ERROR_SIZE]);
 

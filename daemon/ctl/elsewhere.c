@@ -1,6 +1,6 @@
-/* The commands that read or write pictures, as foveactl has them: foveactl-image, which lies beside it, runs
- * them. OpenImageIO comes with some 250 shared libraries, which take a quarter of a second to load; so only
- * that program is linked with it. */
+/* foveactl's commands for pictures: they run foveactl-image, which lies beside foveactl. Only foveactl-image
+ * is linked with OpenImageIO, whose many shared libraries take longer to load than most commands take to run.
+ */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>

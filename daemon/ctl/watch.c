@@ -352,7 +352,7 @@ static void follow(struct watch *watch)
     const struct ctl *ctl = watch->ctl;
     char error[PRO_ERROR_SIZE];
 
-    trk_be_prompt(); /* else latencies would be those of this program on a machine that computes */
+    trk_be_prompt(); /* so that latencies are not those of this program waiting for a processor */
     while (!interrupted) {
         Fovea__Message *message;
         enum pro_result result = pro_receive(watch->client, 50, &message, error);

@@ -1,6 +1,5 @@
 /* Scene files by assimp: OBJ and what else it reads, but for glTF. */
 #include "scene/assimp.h"
-#include "scene/material.h"
 #include "scene/mtl_file.h"
 
 #include <assimp/cimport.h>
@@ -9,9 +8,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-
-/* Beyond this, texture coordinates have lost their texel. */
-#define MAX_COORDINATE 1e9f
 
 /* --- meshes --- */
 
@@ -35,11 +31,6 @@ static bool read_vectors(const struct aiVector3D *from, uint32_t count, float **
     return true;
 }
 
-static float unit(float value)
-{
-    return value > 0.0f ? fminf(value, 1.0f) : 0.0f;
-}
-
 /* Texture coordinates and colours, if there are any. */
 static bool read_attributes(const struct aiMesh *from, struct rnd_mesh *to)
 {
@@ -49,8 +40,8 @@ static bool read_attributes(const struct aiMesh *from, struct rnd_mesh *to)
         if (!uv) continue;
         if (!(to->uv[set] = malloc(2 * n * sizeof *to->uv[set]))) return false;
         for (size_t i = 0; i < n; i++) {
-            to->uv[set][2 * i] = fabsf(uv[i].x) <= MAX_COORDINATE ? uv[i].x : 0.0f;
-            to->uv[set][2 * i + 1] = fabsf(uv[i].y) <= MAX_COORDINATE ? uv[i].y : 0.0f;
+            to->uv[set][2 * i] = uv[i].x;
+            to->uv[set][2 * i + 1] = uv[i].y;
         }
     }
     const struct aiColor4D *colour = from->mColors[0];
@@ -59,8 +50,7 @@ static bool read_attributes(const struct aiMesh *from, struct rnd_mesh *to)
     bool opaque = true; /* of colours without alpha, assimp leaves it 0 */
     for (size_t i = 0; i < n && opaque; i++) opaque = colour[i].a == 0.0f;
     for (size_t i = 0; i < n; i++) {
-        const float rgba[4] = {unit(colour[i].r), unit(colour[i].g), unit(colour[i].b),
-                               opaque ? 1.0f : unit(colour[i].a)};
+        const float rgba[4] = {colour[i].r, colour[i].g, colour[i].b, opaque ? 1.0f : colour[i].a};
         memcpy(to->colour + 4 * i, rgba, sizeof rgba);
     }
     return true;
@@ -179,7 +169,8 @@ static bool walk(struct rnd_import *in, void *file)
 {
     const struct aiScene *scene = file;
     struct rnd_affine metres = rnd_affine_identity();
-    for (int k = 0; k < 9; k++) metres.m[k] *= unit_of(scene);
+    const double unit = unit_of(scene);
+    for (int k = 0; k < 9; k++) metres.m[k] *= unit;
     return walk_node(in, scene, scene->mRootNode, &metres, 0);
 }
 
@@ -194,8 +185,7 @@ static bool read_materials(struct rnd_import *in, const struct aiScene *file)
     struct rnd_mtl_file mtl;
     bool ok = rnd_mtl_file_read(&mtl, in->path, in->directory) || rnd_import_fail(in, "not enough memory");
     for (uint32_t i = 0; ok && i < scene->material_count; i++)
-        ok = rnd_mtl_material(scene, file, file->mMaterials[i], in->path, in->directory, &mtl,
-                              &scene->material[i], in->error);
+        ok = rnd_mtl_material(in, file, file->mMaterials[i], &mtl, &scene->material[i]);
     rnd_mtl_file_finish(&mtl);
     return ok;
 }

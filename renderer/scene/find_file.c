@@ -37,7 +37,7 @@ static void decode_percent(char *text)
     *to = 0;
 }
 
-/* Of /a/b, C:/a/b, //a/b and file:///a/b. */
+/* False for /a/b, C:/a/b, //a/b and file:///a/b. */
 static bool is_relative(const char *name)
 {
     const size_t scheme = strcspn(name, ":/");

@@ -8,11 +8,10 @@
 
 enum { RND_PATH_SIZE = 4096 };
 
-/* The file that a scene in directory ("", or with a slash at its end) calls name: as it is written, with /
- * for
- * \, in another letter case, and else its base name beside the scene. of_uri: name is a URI: percent-encoding
- * is undone, and of what is not relative only the base name counts. Only plain files are found. If there is
- * none, out is where it was expected, and the result is false. */
+/* The file that a scene in directory ("", or with a slash at its end) calls name: as it is written, with a
+ * slash for each backslash, then in another letter case, then its base name beside the scene. of_uri: name is
+ * a URI: percent-encoding is undone, and only the base name counts of a URI that is not relative. Only
+ * regular files are found. If there is none, out is where it was expected, and the result is false. */
 bool rnd_find_file(const char *directory, const char *name, bool of_uri, char out[RND_PATH_SIZE]);
 
 #endif

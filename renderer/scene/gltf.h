@@ -32,6 +32,10 @@ struct rnd_gltf {
         bool read;
         uint32_t first, count; /* of the import's shapes */
     } * mesh;
+    struct rnd_gltf_image {
+        bool read;
+        int texture;       /* the scene's, or -1 after a warning */
+    } (*image)[2];         /* of the file's images: as numbers, and as colours */
     uint64_t bytes, asked; /* of buffers that were read; numbers that were asked for */
     bool morphs;           /* weights of morph targets that are not 0 are asked for */
 };
@@ -45,10 +49,15 @@ void rnd_gltf_close(struct rnd_gltf *gltf);
 const json_t *rnd_gltf_extension(const json_t *object, const char *name);
 /* How many elements a list of the root has. */
 size_t rnd_gltf_length(const struct rnd_gltf *gltf, const char *list);
-/* object[key] as a whole number from 0 to most, or otherwise if it is not there; SIZE_MAX as that means that
- * it must be. where is the object's place. False and a line in the import's error. */
+/* Read object[key] as a whole number from 0 to most. A missing key gives otherwise; if otherwise is SIZE_MAX,
+ * it is an error. where is the object's place. False and a line in the import's error. */
 bool rnd_gltf_size(struct rnd_gltf *gltf, const json_t *object, const char *key, size_t otherwise,
                    size_t most, const char *where, size_t *out);
+/* The element that index names; NULL, without a line, if it names none. */
+static inline const json_t *rnd_gltf_element(const json_t *list, const json_t *index)
+{
+    return json_is_integer(index) ? json_array_get(list, (size_t)json_integer_value(index)) : NULL;
+}
 /* The element of a list of the root that value, at that place, is the index of. NULL and a line. */
 const json_t *rnd_gltf_at(struct rnd_gltf *gltf, const char *list, const json_t *value, const char *where,
                           size_t *out_index);
@@ -57,8 +66,8 @@ void rnd_gltf_name_unsupported(struct rnd_gltf *gltf);
 
 /* --- gltf_bytes.c --- */
 
-/* Count numbers that are asked for at a place of the file, before there is memory for them: a file may name
- * the same ones over and over, and is believed so often. False and a line. */
+/* Count numbers before memory is allocated for them. A file may refer to the same bytes many times, but only
+ * up to a limit. False and a line. */
 bool rnd_gltf_ask(struct rnd_gltf *gltf, size_t numbers, const char *where);
 /* The bytes of a data URI. NULL if it is not one of base64, or memory is short. The caller frees. */
 uint8_t *rnd_gltf_data_uri(const char *uri, size_t *out_count);

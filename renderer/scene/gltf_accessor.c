@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* An accessor without bytes is as long as it says; this is as far as it is believed. */
+/* Most elements of an accessor without a buffer view: no bytes of the file bound its count. */
 enum { MAX_ZEROS = 1 << 20 };
 
 /* Bytes of a number; 0 if there is no such component. */
@@ -148,14 +148,12 @@ bool rnd_gltf_accessor(struct rnd_gltf *gltf, const json_t *index, const char *f
         if (!(out->at = rnd_gltf_view(gltf, view, inside, &size, &out->stride))) return false;
         if (out->stride == 0) out->stride = packed;
         if (out->stride < packed ||
-            (out->count > 0 && offset + (out->count - 1) * out->stride + packed > size))
+            offset + (out->count > 0 ? (out->count - 1) * out->stride + packed : 0) > size)
             return rnd_import_fail(gltf->in, "%s.count: %zu of %zu bytes, beyond the %zu of its buffer view",
                                    where, out->count, packed, size);
         out->at += offset;
     } else if (out->count > MAX_ZEROS || !sparse) {
-        return rnd_import_fail(gltf->in, "%s.bufferView: expected one%s", where,
-                               rnd_gltf_length(gltf, "extensionsUsed") ? " (compressed data cannot be read)"
-                                                                       : "");
+        return rnd_import_fail(gltf->in, "%s.bufferView: expected one", where);
     }
     return !sparse || open_sparse(gltf, sparse, where, out);
 }

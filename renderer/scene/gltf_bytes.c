@@ -122,10 +122,11 @@ static const struct rnd_gltf_buffer *read_buffer(struct rnd_gltf *gltf, const js
     } else {
         rnd_import_fail(gltf->in, "%s.uri: expected one, since there is no chunk for it in the file", where);
     }
+    if (!buffer->bytes) return NULL;
     buffer->size = size;
     gltf->bytes += size;
     gltf->in->most += RND_TRIANGLES_A_BYTE * size;
-    return buffer->bytes ? buffer : NULL;
+    return buffer;
 }
 
 /* --- views --- */

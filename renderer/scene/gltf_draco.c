@@ -113,9 +113,7 @@ static json_t *wrap(json_t *primitive, json_t *accessors, size_t size)
 bool rnd_gltf_is_draco(const struct rnd_gltf *gltf, const json_t *primitive)
 {
     const json_t *index = json_object_get(json_object_get(primitive, "attributes"), "POSITION"),
-                 *accessor =
-                     json_array_get(json_object_get(gltf->root, "accessors"),
-                                    json_is_integer(index) ? (size_t)json_integer_value(index) : SIZE_MAX);
+                 *accessor = rnd_gltf_element(json_object_get(gltf->root, "accessors"), index);
     return rnd_gltf_extension(primitive, extension) && !json_object_get(accessor, "bufferView");
 }
 

@@ -231,10 +231,11 @@ bool rnd_gltf_open(struct rnd_gltf *gltf, struct rnd_import *in)
     const size_t nodes = rnd_gltf_length(gltf, "nodes");
     gltf->buffer = calloc(rnd_gltf_length(gltf, "buffers") + 1, sizeof *gltf->buffer);
     gltf->mesh = calloc(rnd_gltf_length(gltf, "meshes") + 1, sizeof *gltf->mesh);
+    gltf->image = calloc(rnd_gltf_length(gltf, "images") + 1, sizeof *gltf->image);
     gltf->pose = calloc(nodes + 1, sizeof *gltf->pose);
     gltf->moved = calloc(nodes + 1, sizeof *gltf->moved);
     gltf->visited = calloc(nodes + 1, sizeof *gltf->visited);
-    return (gltf->buffer && gltf->mesh && gltf->pose && gltf->moved && gltf->visited) ||
+    return (gltf->buffer && gltf->mesh && gltf->image && gltf->pose && gltf->moved && gltf->visited) ||
            rnd_import_fail(in, "not enough memory");
 }
 
@@ -244,6 +245,7 @@ void rnd_gltf_close(struct rnd_gltf *gltf)
     json_decref(gltf->root);
     free(gltf->buffer);
     free(gltf->mesh);
+    free(gltf->image);
     free(gltf->node_root);
     free(gltf->pose);
     free(gltf->moved);

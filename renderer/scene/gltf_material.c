@@ -3,6 +3,7 @@
 #include "scene/gltf.h"
 #include "scene/material.h"
 
+#include <errno.h>
 #include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,9 +13,8 @@
 struct reader {
     struct rnd_gltf *gltf;
     struct rnd_scene *scene;
-    size_t index; /* in the file */
-    const json_t *json;
-    const char *part; /* of it, with a point before it */
+    size_t index;     /* in the file */
+    const char *part; /* place within the material, as ".extensions.KHR_materials_ior" */
     struct rnd_material *to;
 };
 
@@ -76,7 +76,7 @@ static const char *ending(const uint8_t *bytes, size_t count, const json_t *imag
 }
 
 /* Index of the scene's texture for an image of the file, or -1 after a warning. */
-static int add_image(struct reader *r, size_t index, const json_t *image, bool srgb)
+static int read_image(struct reader *r, size_t index, const json_t *image, bool srgb)
 {
     const enum rnd_pixels_use use = srgb ? RND_PIXELS_SRGB : RND_PIXELS_DATA;
     const struct rnd_import *in = r->gltf->in;
@@ -85,11 +85,13 @@ static int add_image(struct reader *r, size_t index, const json_t *image, bool s
     uint8_t *own = NULL;
     size_t count = 0, stride;
     if (uri && strncmp(uri, "data:", 5) != 0) {
-        if (rnd_find_file(in->directory, uri, true, path))
-            return rnd_texture_add(r->scene, path, NULL, 0, use, in->error);
-        rnd_warn(&r->scene->warnings,
-                 "%s: images[%zu].uri: %s: is no plain file; what it is for goes by its factor alone",
-                 in->path, index, path);
+        if (rnd_find_file(in->directory, uri, true, path)) {
+            const int texture = rnd_texture_add(r->scene, path, NULL, 0, use, in->error);
+            if (texture < 0) rnd_warn(&r->scene->warnings, "%s", in->error);
+            return texture;
+        }
+        rnd_warn(&r->scene->warnings, "%s: images[%zu].uri: %s: %s; the material's factor is used alone",
+                 in->path, index, path, strerror(ENOENT));
         return -1;
     }
     snprintf(where, sizeof where, "images[%zu].bufferView", index);
@@ -98,7 +100,7 @@ static int add_image(struct reader *r, size_t index, const json_t *image, bool s
             : rnd_gltf_view(r->gltf, json_object_get(image, "bufferView"), where, &count, &stride);
     if (!bytes) {
         if (uri) rnd_import_fail(r->gltf->in, "images[%zu].uri: expected a file or base64", index);
-        rnd_warn(&r->scene->warnings, "%s; what it is for goes by its factor alone", in->error);
+        rnd_warn(&r->scene->warnings, "%s; the material's factor is used alone", in->error);
         return -1;
     }
     if (!rnd_gltf_ask(r->gltf, count / 4, where)) {
@@ -108,8 +110,17 @@ static int add_image(struct reader *r, size_t index, const json_t *image, bool s
     }
     snprintf(path, sizeof path, "%.200s: image %zu.%s", in->path, index, ending(bytes, count, image));
     const int texture = rnd_texture_add(r->scene, path, bytes, count, use, in->error);
+    if (texture < 0) rnd_warn(&r->scene->warnings, "%s", in->error);
     free(own);
     return texture;
+}
+
+/* The same, read once for all the maps that share it. */
+static int add_image(struct reader *r, size_t index, const json_t *image, bool srgb)
+{
+    struct rnd_gltf_image *known = &r->gltf->image[index][srgb];
+    if (!known->read) *known = (struct rnd_gltf_image){true, read_image(r, index, image, srgb)};
+    return known->texture;
 }
 
 static uint8_t wrap_of(const json_t *sampler, const char *key)
@@ -147,7 +158,7 @@ static const json_t *find_image(struct reader *r, const json_t *info, const char
     if (texture && !source)
         rnd_scene_unsupported(r->scene, "textures without a PNG, JPEG or WebP image");
     else if (!texture || !(image = rnd_gltf_at(r->gltf, "images", source, where, out_index)))
-        rnd_warn(&r->scene->warnings, "%s; its factor stands alone", r->gltf->in->error);
+        rnd_warn(&r->scene->warnings, "%s; the material's factor is used alone", r->gltf->in->error);
     return image;
 }
 
@@ -159,23 +170,20 @@ static void read_map(struct reader *r, const json_t *object, const char *key, en
     if (!json_is_object(info)) return;
     const json_t *image = find_image(r, info, key, &texture, &index);
     if (!image) return;
-    map->texture = add_image(r, index, image, srgb);
-    const json_t *number_of = json_object_get(texture, "sampler");
-    const json_t *sampler = json_is_integer(number_of)
-                                ? json_array_get(json_object_get(r->gltf->root, "samplers"),
-                                                 (size_t)json_integer_value(number_of))
-                                : NULL;
-    map->wrap[0] = wrap_of(sampler, "wrapS");
-    map->wrap[1] = wrap_of(sampler, "wrapT");
-    map->nearest = json_integer_value(json_object_get(sampler, "magFilter")) == 9728;
     const json_t *transform = rnd_gltf_extension(info, "KHR_texture_transform");
     const json_t *set = json_object_get(transform, "texCoord");
     if (!json_is_integer(set)) set = json_object_get(info, "texCoord");
     const json_int_t n = json_integer_value(set);
     if (n < 0 || n > 1) {
         rnd_scene_unsupported(r->scene, "texture coordinates beyond the second set");
-        map->texture = -1;
+        return;
     }
+    map->texture = add_image(r, index, image, srgb);
+    const json_t *sampler =
+        rnd_gltf_element(json_object_get(r->gltf->root, "samplers"), json_object_get(texture, "sampler"));
+    map->wrap[0] = wrap_of(sampler, "wrapS");
+    map->wrap[1] = wrap_of(sampler, "wrapT");
+    map->nearest = json_integer_value(json_object_get(sampler, "magFilter")) == 9728;
     map->uv_set = n == 1;
     read_transform(r, transform, map);
 }
@@ -286,8 +294,7 @@ static void read_extensions(struct reader *r, const json_t *json)
 static bool read_material(struct rnd_gltf *gltf, size_t index, struct rnd_material *to)
 {
     const json_t *json = json_array_get(json_object_get(gltf->root, "materials"), index);
-    struct reader r = {
-        .gltf = gltf, .scene = gltf->in->scene, .index = index, .json = json, .part = "", .to = to};
+    struct reader r = {.gltf = gltf, .scene = gltf->in->scene, .index = index, .part = "", .to = to};
     const json_t *pbr = json_object_get(json, "pbrMetallicRoughness"),
                  *gloss = rnd_gltf_extension(json, "KHR_materials_pbrSpecularGlossiness"),
                  *strength = rnd_gltf_extension(json, "KHR_materials_emissive_strength"),

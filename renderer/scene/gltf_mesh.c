@@ -5,9 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Beyond this, texture coordinates have lost their texel. */
-#define MAX_COORDINATE 1e9f
-
 /* glTF 2.0 section 3.7.2.1 */
 enum { POINTS, LINES, LINE_LOOP, LINE_STRIP, TRIANGLES, TRIANGLE_STRIP, TRIANGLE_FAN };
 
@@ -155,15 +152,6 @@ static bool read_attribute(struct primitive *p, const char *name, size_t n, floa
     return !any || (*out = read_floats(p, &a));
 }
 
-static bool read_uv(struct primitive *p, int set)
-{
-    if (!read_attribute(p, set ? "TEXCOORD_1" : "TEXCOORD_0", 2, &p->mesh.uv[set])) return false;
-    float *uv = p->mesh.uv[set];
-    for (size_t i = 0; uv && i < 2 * (size_t)p->mesh.vertices; i++)
-        if (!(fabsf(uv[i]) <= MAX_COORDINATE)) uv[i] = 0.0f;
-    return true;
-}
-
 /* Three or four numbers; integers are normalised, whether they say so or not. */
 static bool read_colour(struct primitive *p)
 {
@@ -173,13 +161,12 @@ static bool read_colour(struct primitive *p)
     if (!find_attribute(p, "COLOR_0", 3, 4, &a, &any)) return false;
     if (!any) return true;
     a.normalised = true;
-    float *from = read_floats(p, &a), *to = from ? malloc(4 * count * sizeof *to) : NULL;
+    float *from = read_floats(p, &a);
+    if (!from) return false;
+    float *to = malloc(4 * count * sizeof *to);
     for (size_t i = 0; to && i < count; i++) {
         to[4 * i + 3] = 1.0f;
-        for (size_t k = 0; k < a.n; k++) {
-            const float value = from[i * a.n + k];
-            to[4 * i + k] = value > 0.0f ? fminf(value, 1.0f) : 0.0f;
-        }
+        for (size_t k = 0; k < a.n; k++) to[4 * i + k] = from[i * a.n + k];
     }
     free(from);
     p->mesh.colour = to;
@@ -193,8 +180,9 @@ static bool read_attributes(struct primitive *p)
     const struct rnd_map *map = p->gltf->in->scene->material[mesh->material].map;
     const bool bends = map[RND_MAP_NORMAL].texture >= 0 || map[RND_MAP_CLEARCOAT_NORMAL].texture >= 0;
     return (mesh->position = read_floats(p, &p->position)) && read_attribute(p, "NORMAL", 3, &mesh->normal) &&
-           (!bends || !mesh->normal || read_attribute(p, "TANGENT", 4, &mesh->tangent)) && read_uv(p, 0) &&
-           read_uv(p, 1) && read_colour(p);
+           (!bends || !mesh->normal || read_attribute(p, "TANGENT", 4, &mesh->tangent)) &&
+           read_attribute(p, "TEXCOORD_0", 2, &mesh->uv[0]) &&
+           read_attribute(p, "TEXCOORD_1", 2, &mesh->uv[1]) && read_colour(p);
 }
 
 /* --- primitives --- */

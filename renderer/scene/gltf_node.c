@@ -125,8 +125,7 @@ static bool read_weights(struct rnd_gltf *gltf, const json_t *node, const json_t
                          bool spline)
 {
     const json_t *index = json_object_get(node, "mesh"), *meshes = json_object_get(gltf->root, "meshes"),
-                 *mesh = json_array_get(meshes, json_is_integer(index) ? (size_t)json_integer_value(index)
-                                                                       : SIZE_MAX);
+                 *mesh = rnd_gltf_element(meshes, index);
     const json_t *primitive = json_array_get(json_object_get(mesh, "primitives"), 0);
     const size_t targets = json_array_size(json_object_get(primitive, "targets"));
     for (size_t i = 0; i < targets && !gltf->morphs; i++) {

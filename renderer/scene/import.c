@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Beyond this, m, the square of a triangle's area leaves float; and texture coordinates their texel. */
+/* Beyond this, m, the square of a triangle's area leaves float; and texture coordinates lose their texel. */
 #define MAX_COORDINATE 1e9
 /* Within so many metres floats are fine enough for what people build. */
 #define NEAR 64.0
@@ -37,7 +37,7 @@ static bool check_amount(struct rnd_import *in, uint64_t triangles, uint64_t ver
                            most < RND_MOST_TRIANGLES ? ", which is too much for the bytes that it has" : "");
 }
 
-/* Is there room for a mesh more? */
+/* Count a mesh's triangles and vertices. False and a line if they are too many. */
 static bool count_mesh(struct rnd_import *in, const struct rnd_mesh *mesh)
 {
     in->triangles += mesh->triangles;
@@ -45,24 +45,34 @@ static bool count_mesh(struct rnd_import *in, const struct rnd_mesh *mesh)
     return check_amount(in, in->triangles, in->vertices);
 }
 
-/* A list whose length is a power of two, or 0, is full. */
-static bool is_full(uint32_t count)
+/* The list with room for one element more: its room is doubled when its length is a power of two, or 0. NULL
+ * if memory is short. */
+static void *grow(void *list, uint32_t count, size_t size)
 {
-    return (count & (count - 1)) == 0;
+    return count & (count - 1) ? list : realloc(list, (count ? 2 * (size_t)count : 1) * size);
+}
+
+/* Texture coordinates that have lost their texel become 0; colours are clamped to 0..1. */
+static void clean_attributes(struct rnd_mesh *mesh)
+{
+    const size_t n = mesh->vertices;
+    for (int set = 0; set < 2; set++)
+        for (size_t i = 0; mesh->uv[set] && i < 2 * n; i++)
+            if (!(fabsf(mesh->uv[set][i]) <= (float)MAX_COORDINATE)) mesh->uv[set][i] = 0.0f;
+    for (size_t i = 0; mesh->colour && i < 4 * n; i++)
+        mesh->colour[i] = mesh->colour[i] > 0.0f ? fminf(mesh->colour[i], 1.0f) : 0.0f;
 }
 
 bool rnd_import_shape(struct rnd_import *in, const struct rnd_mesh *mesh, const char *name)
 {
     struct rnd_shape shape = {.mesh = *mesh, .name = name ? name : ""};
-    if (is_full(in->shape_count)) {
-        const size_t room = in->shape_count ? 2 * (size_t)in->shape_count : 1;
-        struct rnd_shape *grown = realloc(in->shape, room * sizeof *grown);
-        if (!grown) {
-            rnd_mesh_finish(&shape.mesh);
-            return rnd_import_fail(in, "not enough memory");
-        }
-        in->shape = grown;
+    struct rnd_shape *grown = grow(in->shape, in->shape_count, sizeof *grown);
+    if (!grown) {
+        rnd_mesh_finish(&shape.mesh);
+        return rnd_import_fail(in, "not enough memory");
     }
+    clean_attributes(&shape.mesh);
+    in->shape = grown;
     in->shape[in->shape_count++] = shape;
     return count_mesh(in, mesh);
 }
@@ -139,7 +149,8 @@ static void choose_origin(struct rnd_import *in)
         size = fmax(size, bounds[1][k] - bounds[0][k]);
         away = fmax(away, 0.5 * fabs(bounds[0][k] + bounds[1][k]));
     }
-    if (!(away > 16.0 * size || (away > size && away > NEAR))) return; /* neither if there is nothing */
+    if (!(away > 16.0 * size || (away > size && away > NEAR)))
+        return; /* also if no mesh is placed: both are 0 then */
     for (int k = 0; k < 3; k++) in->scene->origin[k] = rint(0.5 * (bounds[0][k] + bounds[1][k]));
 }
 
@@ -202,42 +213,38 @@ static bool move_mesh(struct rnd_import *in, struct rnd_mesh *mesh, const char *
 
 /* --- meshes of the scene --- */
 
-static bool copy(void *to_array, const void *from, size_t bytes)
+/* NULL for NULL; *ok becomes false if memory is short. */
+static void *copy(const void *from, size_t bytes, bool *ok)
 {
-    void **to = to_array;
-    *to = NULL;
-    if (!from) return true;
-    if (!(*to = malloc(bytes))) return false;
-    memcpy(*to, from, bytes);
-    return true;
+    void *to = from ? malloc(bytes) : NULL;
+    if (to) memcpy(to, from, bytes);
+    *ok = *ok && (to || !from);
+    return to;
 }
 
 static bool copy_mesh(const struct rnd_mesh *from, struct rnd_mesh *to)
 {
     const size_t n = from->vertices * sizeof(float);
+    bool ok = true;
     *to = *from;
-    const bool position = copy(&to->position, from->position, 3 * n + sizeof(float)),
-               normal = copy(&to->normal, from->normal, 3 * n),
-               uvs = copy(&to->uv[0], from->uv[0], 2 * n) & copy(&to->uv[1], from->uv[1], 2 * n),
-               colour = copy(&to->colour, from->colour, 4 * n),
-               tangent = copy(&to->tangent, from->tangent, 4 * n),
-               index = copy(&to->index, from->index, from->triangles * sizeof *from->index);
-    return position && normal && uvs && colour && tangent && index;
+    to->position = copy(from->position, 3 * n + sizeof(float), &ok);
+    to->normal = copy(from->normal, 3 * n, &ok);
+    to->uv[0] = copy(from->uv[0], 2 * n, &ok);
+    to->uv[1] = copy(from->uv[1], 2 * n, &ok);
+    to->colour = copy(from->colour, 4 * n, &ok);
+    to->tangent = copy(from->tangent, 4 * n, &ok);
+    to->index = copy(from->index, from->triangles * sizeof *from->index, &ok);
+    return ok;
 }
 
 /* The scene's next mesh: a shape's own arrays if nobody needs them after, else a copy. */
 static struct rnd_mesh *add_mesh(struct rnd_import *in, struct rnd_shape *shape, bool whole)
 {
     struct rnd_scene *scene = in->scene;
-    const struct rnd_mesh *from = shape->stored ? &scene->mesh[shape->stored_as] : &shape->mesh;
-    struct rnd_mesh mesh;
-    if (is_full(scene->mesh_count)) {
-        const size_t room = scene->mesh_count ? 2 * (size_t)scene->mesh_count : 1;
-        struct rnd_mesh *grown = realloc(scene->mesh, room * sizeof *grown);
-        if (!grown) goto fail;
-        from = shape->stored ? &grown[shape->stored_as] : from;
-        scene->mesh = grown;
-    }
+    struct rnd_mesh *grown = grow(scene->mesh, scene->mesh_count, sizeof *grown), mesh;
+    if (!grown) goto fail;
+    scene->mesh = grown;
+    const struct rnd_mesh *from = shape->stored ? &grown[shape->stored_as] : &shape->mesh;
     if (whole) {
         mesh = shape->mesh;
         shape->mesh = (struct rnd_mesh){.vertices = mesh.vertices, .triangles = mesh.triangles};
@@ -289,8 +296,7 @@ static bool store(struct rnd_import *in, struct rnd_shape *shape)
     if (!mesh) return false;
     shape->stored = mesh->instanced = true;
     shape->stored_as = (uint32_t)(mesh - in->scene->mesh);
-    if (!move_mesh(in, mesh, shape->name, &identity)) return false;
-    return true;
+    return move_mesh(in, mesh, shape->name, &identity);
 }
 
 static bool add_instance(struct rnd_import *in, struct rnd_shape *shape, const struct rnd_affine *world,
@@ -300,13 +306,9 @@ static bool add_instance(struct rnd_import *in, struct rnd_shape *shape, const s
     if (!extend_by_box(in, shape->low, shape->high, world))
         return rnd_import_fail(in, "an instance of mesh \"%.60s\" is not finite or beyond %g m", shape->name,
                                MAX_COORDINATE);
-    if (scene->instance_count == MAX_INSTANCES) return rnd_import_fail(in, "more than 10 million instances");
-    if (is_full(scene->instance_count)) {
-        const size_t room = scene->instance_count ? 2 * (size_t)scene->instance_count : 1;
-        struct rnd_instance *grown = realloc(scene->instance, room * sizeof *grown);
-        if (!grown) return rnd_import_fail(in, "not enough memory");
-        scene->instance = grown;
-    }
+    struct rnd_instance *grown = grow(scene->instance, scene->instance_count, sizeof *grown);
+    if (!grown) return rnd_import_fail(in, "not enough memory");
+    scene->instance = grown;
     struct rnd_instance *instance = &scene->instance[scene->instance_count++];
     const double determinant = rnd_affine_determinant(world);
     *instance = (struct rnd_instance){
@@ -355,12 +357,9 @@ bool rnd_import_light(struct rnd_import *in, struct rnd_punctual light, const st
     double p[3], d[3];
     float unit[3];
     if (in->counting) return true;
-    if (is_full(lights->punctual_count)) {
-        const size_t room = lights->punctual_count ? 2 * (size_t)lights->punctual_count : 1;
-        struct rnd_punctual *grown = realloc(lights->punctual, room * sizeof *grown);
-        if (!grown) return rnd_import_fail(in, "not enough memory");
-        lights->punctual = grown;
-    }
+    struct rnd_punctual *grown = grow(lights->punctual, lights->punctual_count, sizeof *grown);
+    if (!grown) return rnd_import_fail(in, "not enough memory");
+    lights->punctual = grown;
     rnd_affine_apply(world, position, 1.0, p);
     rnd_affine_apply(world, direction, 0.0, d);
     if (!in_range(p)) return rnd_import_fail(in, "a light is not finite or beyond %g m", MAX_COORDINATE);

@@ -9,8 +9,8 @@
 
 enum { RND_NODE_DEPTH = 256 }; /* nodes are no more deeply nested */
 
-/* Triangles that a scene may have, and as many vertices: of a format whose files may name the same ones over
- * and over, some in any case, and more with its bytes. */
+/* Most triangles of a scene, and most vertices. A glTF file may name the same bytes many times: it may have
+ * RND_LEAST_TRIANGLES, and RND_TRIANGLES_A_BYTE more per byte of its buffers. */
 #define RND_MOST_TRIANGLES 500000000ull
 enum { RND_LEAST_TRIANGLES = 50000000, RND_TRIANGLES_A_BYTE = 16 };
 

@@ -32,7 +32,7 @@ static bool add_material(struct rnd_mtl_file *file, const char *name)
     return m->name;
 }
 
-/* Up to two numbers behind an option; those that are there, of a third the place is passed over. */
+/* Read up to three numbers behind an option; the first two go to out. Returns what follows them. */
 static char *numbers(char *at, float out[2])
 {
     for (int k = 0; k < 3; k++) {
@@ -59,8 +59,10 @@ static void take_options(struct rnd_mtl_material *m, enum rnd_mtl_map map, char 
         else if (length == 3 && strncasecmp(rest, "-bm", 3) == 0) {
             rest = numbers(value, multiplier);
             if (map == RND_MTL_NORMAL) m->bump = multiplier[0];
-        } else
-            rest = value + strspn(value, blanks), rest += strcspn(rest, blanks);
+        } else { /* an option that is left out: its numbers, or one word */
+            rest = numbers(value, multiplier);
+            if (rest == value) rest += strspn(rest, blanks), rest += strcspn(rest, blanks);
+        }
         rest += strspn(rest, blanks);
     }
 }

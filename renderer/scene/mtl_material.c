@@ -1,4 +1,5 @@
 /* Materials of Wavefront MTL, and of all other formats as far as assimp gives them the same keys. */
+#include "scene/assimp.h"
 #include "scene/find_file.h"
 #include "scene/material.h"
 #include "scene/mtl_file.h"
@@ -6,6 +7,8 @@
 #include <assimp/GltfMaterial.h>
 #include <assimp/ObjMaterial.h>
 #include <assimp/material.h>
+#include <assimp/scene.h>
+#include <errno.h>
 #include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,20 +16,12 @@
 
 /* The material that is being read. */
 struct reader {
-    struct rnd_scene *scene;
+    struct rnd_import *in;
     const struct aiScene *file;
     const struct aiMaterial *from;
-    const char *path, *directory;
     const struct rnd_mtl_material *lines; /* of the library, or NULL */
     const char *library;                  /* directory of that, "" or with a slash at its end */
-    char *error;
 };
-
-static bool fail(struct reader *r, const char *what)
-{
-    snprintf(r->error, RND_ERROR_SIZE, "%.200s: %.200s", r->path, what);
-    return false;
-}
 
 /* --- maps --- */
 
@@ -37,11 +32,11 @@ static uint8_t wrap_of(enum aiTextureMapMode mode)
                                                                             : RND_REPEAT;
 }
 
-/* An image that cannot be read: the map's factor stands alone. */
+/* Warn of an image that cannot be read. */
 static bool go_without(struct reader *r, const char *name, const char *why)
 {
-    rnd_warn(&r->scene->warnings, "%.200s: %s: %s; what it is for goes by its factor alone", r->path, name,
-             why);
+    rnd_warn(&r->in->scene->warnings, "%.200s: %s: %s; the material's factor is used alone", r->in->path,
+             name, why);
     return true;
 }
 
@@ -56,7 +51,7 @@ static bool read_map(struct reader *r, enum aiTextureType type, enum rnd_map_use
     if (aiGetMaterialTexture(r->from, type, 0, &name, NULL, &channel, NULL, NULL, mode, NULL) !=
         aiReturn_SUCCESS)
         return true;
-    if (channel > 1) rnd_scene_unsupported(r->scene, "texture coordinates beyond the second set");
+    if (channel > 1) rnd_scene_unsupported(r->in->scene, "texture coordinates beyond the second set");
     map->uv_set = channel == 1;
     map->wrap[0] = wrap_of(mode[0]);
     map->wrap[1] = wrap_of(mode[1]);
@@ -67,16 +62,17 @@ static bool read_map(struct reader *r, enum aiTextureType type, enum rnd_map_use
             return go_without(r, name.data, "is no embedded image in a file's format");
         const struct aiTexture *texture = r->file->mTextures[i];
         char label[300]; /* OpenImageIO goes by the ending */
-        snprintf(label, sizeof label, "%.200s: texture %lu.%s", r->path, i,
+        snprintf(label, sizeof label, "%.200s: texture %lu.%s", r->in->path, i,
                  strcmp(texture->achFormatHint, "jpeg") == 0 ? "jpg" : texture->achFormatHint);
-        map->texture = rnd_texture_add(r->scene, label, texture->pcData, texture->mWidth, pixels, r->error);
+        map->texture =
+            rnd_texture_add(r->in->scene, label, texture->pcData, texture->mWidth, pixels, r->in->error);
         return map->texture >= 0;
     }
     char path[RND_PATH_SIZE];
     if (!(r->lines && rnd_find_file(r->library, name.data, false, path)) &&
-        !rnd_find_file(r->directory, name.data, false, path))
-        return go_without(r, path, "is no plain file");
-    map->texture = rnd_texture_add(r->scene, path, NULL, 0, pixels, r->error);
+        !rnd_find_file(r->in->directory, name.data, false, path))
+        return go_without(r, path, strerror(ENOENT));
+    map->texture = rnd_texture_add(r->in->scene, path, NULL, 0, pixels, r->in->error);
     return map->texture >= 0;
 }
 
@@ -103,12 +99,10 @@ static float read_float(struct reader *r, const char *key, float otherwise)
 static bool check(struct reader *r, const char *key, float value, float low, float high)
 {
     struct aiString name = {0};
-    char what[200];
     if (value >= low && value <= high) return true;
     aiGetMaterialString(r->from, AI_MATKEY_NAME, &name);
-    snprintf(what, sizeof what, "material \"%.60s\": %s is %g, expected %g to %g", name.data, key,
-             (double)value, (double)low, (double)high);
-    return fail(r, what);
+    return rnd_import_fail(r->in, "material \"%.60s\": %s is %g, expected %g to %g", name.data, key,
+                           (double)value, (double)low, (double)high);
 }
 
 static bool check_colour(struct reader *r, const char *key, vec3s value, float high)
@@ -164,11 +158,10 @@ static bool read_matt(struct reader *r, bool coat, vec3s ks, float ns, struct rn
 
 /* illum 3, 5 and 8 are mirrors, 6 and 7 glass that refracts, 4 and 9 glass that does not, 2 a glossy coat
  * when Ks is not black: reflectance Ks at normal incidence, as wide as Phong's exponent Ns. */
-bool rnd_mtl_material(struct rnd_scene *scene, const struct aiScene *file, const struct aiMaterial *from,
-                      const char *path, const char *directory, const struct rnd_mtl_file *mtl,
-                      struct rnd_material *to, char out_error[RND_ERROR_SIZE])
+bool rnd_mtl_material(struct rnd_import *in, const struct aiScene *file, const struct aiMaterial *from,
+                      const struct rnd_mtl_file *mtl, struct rnd_material *to)
 {
-    struct reader r = {scene, file, from, path, directory, NULL, "", out_error};
+    struct reader r = {in, file, from, NULL, ""};
     struct aiString name = {0};
     int illum = 1;
     aiGetMaterialString(from, AI_MATKEY_NAME, &name);
@@ -217,13 +210,14 @@ bool rnd_mtl_material(struct rnd_scene *scene, const struct aiScene *file, const
         to->alpha = d;
         if (d < 1.0f || to->map[RND_MAP_COVERAGE].texture >= 0) to->alpha_mode = RND_BLEND;
     }
-    if (aiGetMaterialTextureCount(from, aiTextureType_HEIGHT) > 0) rnd_scene_unsupported(scene, "bump maps");
+    if (aiGetMaterialTextureCount(from, aiTextureType_HEIGHT) > 0)
+        rnd_scene_unsupported(in->scene, "bump maps");
     if (aiGetMaterialTextureCount(from, aiTextureType_SHININESS) > 0)
-        rnd_scene_unsupported(scene, "maps of Phong's exponent");
+        rnd_scene_unsupported(in->scene, "maps of Phong's exponent");
     if (r.lines) {
         transform_maps(r.lines, to);
         to->normal_scale = r.lines->bump;
-        if (r.lines->has_pbr_maps) rnd_scene_unsupported(scene, "map_Pr and map_Pm");
+        if (r.lines->has_pbr_maps) rnd_scene_unsupported(in->scene, "map_Pr and map_Pm");
     }
     rnd_material_set_kind(to);
     return true;

@@ -177,8 +177,8 @@ enum rnd_textures rnd_scene_take_textures(struct rnd_scene *scene, const char **
 
 /* --- all --- */
 
-/* A tinted pane is clear glass too, whose shadow rays are then weighed by each colour's share: as a pane it
- * lets pass what all colours share. */
+/* With clear glass, shadow rays are weighted per colour. So a tinted pane is treated as clear glass: as a
+ * pane it would pass only what all colours share. */
 static void clear_glass(struct rnd_scene *scene)
 {
     scene->clear_glass = true;

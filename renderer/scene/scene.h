@@ -115,7 +115,8 @@ struct rnd_instance {
 
 /* --- scene --- */
 
-/* Lines that a user should read, each with its end and each once; beyond a number, they are counted. */
+/* Lines that a user should read, each with its line end and each once. After 20, one last line says that
+ * there are more. */
 struct rnd_warnings {
     char *text; /* NULL: none */
     size_t size;

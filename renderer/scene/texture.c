@@ -247,7 +247,7 @@ void rnd_textures_drop_unread(struct rnd_scene *scene, struct rnd_warnings *warn
         if (!texture->error) continue;
         any = true;
         if (scene->warnings.text && strstr(scene->warnings.text, texture->error)) continue;
-        rnd_warn(warnings, "%s; what it is for goes by its factor alone", texture->error);
+        rnd_warn(warnings, "%s; the material's factor is used alone", texture->error);
     }
     for (uint32_t i = 0; any && i < scene->material_count; i++)
         for (int use = 0; use < RND_MAPS; use++) {

@@ -248,7 +248,7 @@ static void *watch(void *argument)
 
 enum { FIRST, GAP, BATCH_P50, BATCH_P99, TILE_P50, TILE_P99, TILES, PATHS, DAEMON, LOOP, FIGURES };
 
-/* Of what is printed: its key, its name, and how many of its units a second or a piece is. */
+/* What is printed: its key, its name, and the factor from seconds or pieces to its unit. */
 static const struct {
     const char *key, *name;
     double unit;
@@ -260,7 +260,7 @@ static const struct {
     [TILE_P50] = {"gaze_to_tile_p50_ms", "gaze to tile, ms:  p50", 1e3},
     [TILE_P99] = {"gaze_to_tile_p99_ms", "                   p99", 1e3},
     [TILES] = {"tiles_per_second", "tiles a second to a client", 1},
-    [PATHS] = {"paths_per_second", "Mpaths a second", 1e-6},
+    [PATHS] = {"mpaths_per_second", "Mpaths a second", 1e-6},
     [DAEMON] = {"processors_of_daemon", "processors that fovead had", 1},
     [LOOP] = {"processors_of_a_loop", "processors that a busy loop had", 1},
 };
@@ -338,9 +338,9 @@ int bench_busy(int count, char **arguments)
                                  beside[PATHS] / by_loops, "alone", json_object(), "beside", json_object());
         for (int i = 0; i < FIGURES; i++) {
             json_object_set_new(json_object_get(root, "alone"), figure_of[i].key,
-                                json_real(alone[i] * (i == PATHS ? 1 : figure_of[i].unit)));
+                                json_real(alone[i] * figure_of[i].unit));
             json_object_set_new(json_object_get(root, "beside"), figure_of[i].key,
-                                json_real(beside[i] * (i == PATHS ? 1 : figure_of[i].unit)));
+                                json_real(beside[i] * figure_of[i].unit));
         }
         json_dumpf(root, stdout, JSON_INDENT(1) | JSON_REAL_PRECISION(6));
         putchar('\n');

@@ -104,7 +104,7 @@ static void start(struct plug *plug, char **command)
 }
 
 /* Is it something to do in its turn? */
-static bool is_done(const char *action)
+static bool is_in_turn(const char *action)
 {
     return strcmp(action, "end") != 0 && strncmp(action, "repeat:", 7) != 0;
 }
@@ -153,11 +153,11 @@ int main(int count, char **arguments)
     if (!run) run = end;
     plug.fake = fake_create();
     for (int i = 1; i < run; i++)
-        if (is_done(arguments[i])) act(&plug, arguments[i]);
+        if (is_in_turn(arguments[i])) act(&plug, arguments[i]);
     start(&plug, arguments + end + 1);
     for (int repeat = 0; repeat < repeats; repeat++)
         for (int i = run + 1; i < end && !plug.ended; i++)
-            if (is_done(arguments[i])) act(&plug, arguments[i]);
+            if (is_in_turn(arguments[i])) act(&plug, arguments[i]);
     if (ends && !plug.ended) kill(plug.child, SIGTERM);
     while (!plug.ended) rest(&plug);
     for (int i = 0; i < plug.count && i < 8; i++) {

@@ -28,14 +28,14 @@ judge() {
 
 echo "== HID through uhid and hidraw: unplugged in the middle, and plugged in again"
 probe hid
-"$programs/vm_hid" 1000 500 || fail "nobody opened the tracker"
-"$programs/vm_hid" 1000 500 || fail "nobody opened the tracker again"
+"$programs/vm_hid" 1000 500 || fail "the tracker could not be made"
+"$programs/vm_hid" 1000 500 || fail "the tracker could not be made again"
 judge 200 2
 
 echo "== PlayStation VR2 through vhci_hcd and usbfs: the same"
 probe psvr2
-"$programs/vm_usb" 1000 500 || fail "nobody asked for gaze"
-"$programs/vm_usb" 1000 500 || fail "nobody asked for gaze again"
+"$programs/vm_usb" 1000 500 || fail "the PlayStation VR2 could not be attached"
+"$programs/vm_usb" 1000 500 || fail "the PlayStation VR2 could not be attached again"
 judge 200 2
 
 echo "== fovead itself, both trackers at once; the one that it took is pulled out, and the other goes on"

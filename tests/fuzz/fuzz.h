@@ -1,4 +1,4 @@
-/* What the tracker's fuzz targets share: a bounded run over random changes of valid inputs, from a fixed
+/* What the fuzz targets share: a bounded run over random changes of valid inputs, from a fixed
  * seed, for when they are built as tests. With -DLIBFUZZER none of this is there, and libFuzzer drives. */
 #ifndef FOVEAD_TEST_FUZZ_H
 #define FOVEAD_TEST_FUZZ_H

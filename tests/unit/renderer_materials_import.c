@@ -395,9 +395,11 @@ static void mtl_of_exporters(void **state)
     snprintf(folder, sizeof folder, "%s/sub", files_directory);
     assert_int_equal(mkdir(folder, 0700), 0);
     write_halves("sub/halves.png", 1, 1);
-    files_text("sub/m.mtl", "newmtl m\r\nillum 1\nmap_Kd -s 2 3 1 -o 0.25 0.5 0 halves.png\nPr 0.25\nPm 1\n"
-                            "norm -bm 0.5 halves.png\nmap_Pr halves.png\nnewmtl plain\nmap_Kd halves.png\n"
-                            "newmtl grey\nKd 0.6 0.6 0.6\nmap_Kd halves.png\n");
+    files_text(
+        "sub/m.mtl",
+        "newmtl m\r\nillum 1\nmap_Kd -t 0 0 0 -mm 0 1 -s 2 3 1 -o 0.25 0.5 0 halves.png\nPr 0.25\nPm 1\n"
+        "norm -bm 0.5 halves.png\nmap_Pr halves.png\nnewmtl plain\nmap_Kd halves.png\n"
+        "newmtl grey\nKd 0.6 0.6 0.6\nmap_Kd halves.png\n");
     struct rnd_scene *scene = files_load(
         files_text("far.obj",
                    "mtllib sub/m.mtl\nv -1 0 -1\nv -1 0 1\nv 1 0 1\nvt 0 1\nvt 0 0\nvt 1 0\n"
