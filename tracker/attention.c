@@ -34,11 +34,11 @@ struct trk_attention {
     versor rotation; /* of recentring, in the head frame */
 
     bool has_sample, has_gaze;
-    struct trk_sample sample;     /* the newest; */
-    uint64_t heard_ns;            /* when it was taken: time passes from then on, however late it came; */
-    double speed;                 /* of the device's clock against that time */
-    uint64_t gaze_ns;             /* device time of the newest with a gaze */
-    bool hidden;                  /* the newest sample has no gaze; */
+    struct trk_sample sample; /* the newest */
+    uint64_t heard_ns; /* when the newest sample was taken; silence counts from here, not from its arrival */
+    double speed;      /* of the device's clock against that time */
+    uint64_t gaze_ns;  /* device time of the newest with a gaze */
+    bool hidden;       /* the newest sample has no gaze; */
     bool lids_known, lids_closed; /* what it says of the lids */
     bool settling;                /* the eye has reopened, and what is seen is not believed yet; */
     uint64_t reopened_ns;         /* since this device time */

@@ -237,15 +237,15 @@ enum trk_state trk_classify(struct trk_classifier *c, uint64_t time_ns, const fl
 
 /* --- samples -------------------------------------------------------------------------------------------- */
 
-static bool is_lid_down(const struct trk_sample *sample, int eye)
+bool trk_is_lid_down(const struct trk_sample *sample, int eye)
 {
     return (sample->valid & TRK_LEFT_OPENNESS << 4 * eye) && sample->eye[eye].openness < half_open;
 }
 
 bool trk_gaze_direction(const struct trk_sample *sample, float out_head[3], const char **out_source)
 {
-    const bool left = (sample->valid & TRK_LEFT_DIRECTION) && !is_lid_down(sample, 0);
-    const bool right = (sample->valid & TRK_RIGHT_DIRECTION) && !is_lid_down(sample, 1);
+    const bool left = (sample->valid & TRK_LEFT_DIRECTION) && !trk_is_lid_down(sample, 0);
+    const bool right = (sample->valid & TRK_RIGHT_DIRECTION) && !trk_is_lid_down(sample, 1);
     const char *source = "both eyes";
     vec3 direction = {0};
     bool known;
@@ -282,7 +282,7 @@ bool trk_lids_closed(const struct trk_sample *sample, bool *out_known)
     *out_known = sample->valid & (TRK_LEFT_OPENNESS | TRK_RIGHT_OPENNESS);
     for (int eye = 0; eye < 2; eye++)
         if (sample->valid & (TRK_LEFT_OPENNESS | TRK_LEFT_DIRECTION) << 4 * eye)
-            closed &= is_lid_down(sample, eye);
+            closed &= trk_is_lid_down(sample, eye);
     return *out_known && closed;
 }
 

@@ -80,7 +80,9 @@ static struct trk_source *open_device(const struct trk_driver *const *driver, co
     if (options->virtual_clock || (path && (!(*driver)->takes_path || *path != '/'))) {
         trk_fail(out_error, "gaze source '%.100s%s%.100s': expected %s%s", (*driver)->name, path ? ":" : "",
                  path ? path : "", (*driver)->usage,
-                 options->virtual_clock ? " on the real clock" : (*driver)->takes_path ? ", an absolute path" : "");
+                 options->virtual_clock  ? " on the real clock"
+                 : (*driver)->takes_path ? ", an absolute path"
+                                         : "");
         return NULL;
     }
     struct trk_source *source = trk_device_open(driver, 1, path, options, &is_present, problem);
@@ -108,8 +110,10 @@ struct trk_source *trk_open(const struct trk_source_options *options, char out_e
 {
     const char *colon = strchr(options->spec, ':'), *argument = colon ? colon + 1 : NULL;
     if (!is_screen(&options->screen)) {
-        trk_fail(out_error, "screen of %g x %g m at %g m: expected width and height, or neither, and distance "
-                 "from 0.01 to 20 m", (double)options->screen.width_m, (double)options->screen.height_m,
+        trk_fail(out_error,
+                 "screen of %g x %g m at %g m: expected width and height, or neither, and distance "
+                 "from 0.01 to 20 m",
+                 (double)options->screen.width_m, (double)options->screen.height_m,
                  (double)options->screen.distance_m);
         return NULL;
     }
@@ -174,7 +178,7 @@ void trk_get_status(struct trk_source *source, struct trk_status *out_status)
         source->type->status(source, out_status);
     else
         memcpy(out_status->description, source->description, sizeof source->description);
-    if (!out_status->is_device) out_status->speed = source->speed;
+    out_status->speed = out_status->is_device ? 1 : source->speed;
 }
 
 void trk_interrupt(struct trk_source *source)

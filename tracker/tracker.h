@@ -121,12 +121,15 @@ bool trk_log_write(const char *path, const struct trk_log *log, bool replace, ch
 /* Was the log read from that file, by whatever name? */
 bool trk_log_is_from(const struct trk_log *log, const char *path);
 
+#define TRK_GAP_STEPS 2.5 /* a gap is longer than this many steps */
+
 /* How fast samples follow each other in a log, apart from its gaps: pauses of the recording and losses. */
 struct trk_rate {
     double hz;          /* 0: there are no two samples, or no time passes */
     uint64_t step_ns;   /* the mean of the steps that are no gaps */
     uint64_t middle_ns; /* the middle one of all steps: where they are uneven it says little */
-    size_t gaps; /* steps of more than 2.5 times step_ns for which the steps beside them do not make up */
+    size_t gaps; /* steps of more than TRK_GAP_STEPS times step_ns for which the steps beside them do not make
+                    up */
     uint64_t longest_ns; /* of the gaps */
     bool in_bursts;      /* samples come several at once, all the time */
 };
@@ -241,8 +244,8 @@ enum trk_result trk_read(struct trk_source *source, uint64_t until_ns, struct tr
 bool trk_push(struct trk_source *source, const float direction[3], uint64_t time_ns);
 
 /* Ask the system to run the calling thread soon after it is woken, even while others compute: for one that
- * mostly waits, for gaze or for messages, and passes on what came. It needs no rights, and where it is not known (Linux before
- * 6.12) nothing changes. */
+ * mostly waits, for gaze or for messages, and passes on what came. It needs no rights, and where it is not
+ * known (Linux before 6.12) nothing changes. */
 void trk_be_prompt(void);
 
 /* Wake a trk_read() that waits in another thread; it returns TRK_TIMEOUT. When none waits, the next one

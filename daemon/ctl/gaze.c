@@ -9,7 +9,7 @@
 #include "tracker.h"
 
 struct range {
-    double low, high; /* deg, high is above 180 where it goes on past behind; low > high: nothing */
+    double low, high; /* deg; high is above 180 where the arc crosses straight behind; low > high: nothing */
 };
 
 struct summary {
@@ -158,7 +158,7 @@ static void print_text(const char *path, const struct trk_log *log, const struct
         if (s->rate.gaps) printf("; %.1f Hz if the gaps are counted", s->mean_hz);
         putchar('\n');
     }
-    printf("  %-12s %zu longer than 2.5 steps", "gaps", s->rate.gaps);
+    printf("  %-12s %zu longer than %g steps", "gaps", s->rate.gaps, TRK_GAP_STEPS);
     if (s->rate.gaps) printf(", the longest %.1f ms", (double)s->rate.longest_ns / 1e6);
     if (s->unseen) printf("; by their numbers %zu samples are missing", s->unseen);
     printf("\n  %-12s %.1f %% (%zu lost)", "gaze", percent(s->gaze, log), log->count - s->gaze);

@@ -1,5 +1,5 @@
 #!/bin/sh
-# The table of tests/cases/gaze: gaze_cases.sh FOVEACTL SOURCE_DIR. Says all rows that come out otherwise.
+# The table of tests/cases/gaze: gaze_cases.sh FOVEACTL SOURCE_DIR. Prints every row whose outcome differs.
 set -eu
 ctl=$1
 cd "$2/tests/cases/gaze"

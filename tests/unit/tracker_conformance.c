@@ -117,7 +117,7 @@ static void samples_are_in_order(void **state)
     }
 }
 
-/* With nothing due a read returns at until_ns, not before; with until_ns past, too. */
+/* With nothing due a read returns at until_ns and not before; it also returns when until_ns is past. */
 static void reads_end_in_time(void **state)
 {
     (void)state;

@@ -1,24 +1,18 @@
 /* Every log format in the dialects that programs and spreadsheets write: the small logs of
  * tests/fuzz/corpus/log, each changed in one way, must hold the same samples. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
+#include "tracker_corpus.h"
 
 #include "tracker.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
 #include <zlib.h>
-
-#define CORPUS FIXTURES "/../tests/fuzz/corpus/log/"
 
 enum { ROOM = 65536 };
 
-/* Rows may end early; a row that ends early is a mistake, and no end; there are whole numbers alone. */
-enum { SHORT = 1, EXACT = 2, WHOLE = 4 };
+enum {
+    SHORT = 1, /* rows may leave off their last fields */
+    EXACT = 2, /* a short last row is an error, not a cut */
+    WHOLE = 4  /* numbers have no decimals */
+};
 
 /* What rows are separated by; 0: it is no table with a header. */
 static const struct log {
@@ -52,49 +46,10 @@ static const struct log {
 };
 enum { LOGS = sizeof logs / sizeof *logs };
 
-static char dir[64], path[96], sidecar[96];
-
-static int enter(void **state)
-{
-    (void)state;
-    snprintf(dir, sizeof dir, "tracker_dialects.XXXXXX");
-    if (!mkdtemp(dir)) return -1;
-    snprintf(path, sizeof path, "%s/x.tsv", dir);
-    snprintf(sidecar, sizeof sidecar, "%s/x.json", dir);
-    return 0;
-}
-
-static int leave(void **state)
-{
-    (void)state;
-    unlink(path);
-    unlink(sidecar);
-    return rmdir(dir);
-}
-
-static void spill(const char *to, const char *bytes, size_t size)
-{
-    FILE *file = fopen(to, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(bytes, 1, size, file), size);
-    assert_int_equal(fclose(file), 0);
-}
-
-/* The log's text with LF ends; the sidecar of a BIDS one, which comes before an empty line, goes beside it.
- */
+/* The log's text with LF ends. */
 static void take(const char *file, char out_text[ROOM])
 {
-    char from[512];
-    snprintf(from, sizeof from, CORPUS "%s", file);
-    FILE *in = fopen(from, "rb");
-    if (!in) fail_msg("no %s", from);
-    out_text[fread(out_text, 1, ROOM / 4, in)] = '\0';
-    fclose(in);
-    char *table = strncmp(file, "bids", 4) == 0 ? strstr(out_text, "\n\n") : NULL;
-    if (table) {
-        spill(sidecar, out_text, (size_t)(table - out_text));
-        memmove(out_text, table + 2, strlen(table + 2) + 1);
-    }
+    corpus(file, out_text, ROOM / 4);
     char *to = out_text;
     for (const char *c = out_text; *c; c++)
         if (*c != '\r') *to++ = *c;

@@ -3,22 +3,13 @@
  * Hz), in which somebody looks ahead, 10 degrees to the right, 10 up, blinks, and looks 10 to the left and 5
  * down with the left eye alone; where the format has a head, it is turned 20 degrees to the right all the
  * while. Then what overrides do, how bad input is refused, and BIDS written and read. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
+#include "tracker_corpus.h"
 
 #include "tracker.h"
 
 #include <jansson.h>
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
 #include <zlib.h>
-
-#define CORPUS FIXTURES "/../tests/fuzz/corpus/log/"
 
 enum { EYES = 1, HEAD = 2, BLINK = 4, PUPILS = 8, GAP = 16 }; /* what a format carries besides gaze */
 
@@ -43,8 +34,8 @@ static const struct format {
     {"glasses3.gz", "glasses3", "Tobii Pro Glasses 3", EYES | PUPILS, ""},
     {"pico.tsv", "pico", "Pico", HEAD | BLINK, "gaze is in Unity's frame (RUF)"},
     {"eyelink_bino.asc", "eyelink", "EyeLink ASC", EYES | BLINK,
-     "40.0 px a degree the screen is 45.5 degrees wide"},
-    {"eyelink_mono.asc", "eyelink", "EyeLink ASC", 0, "40.0 px a degree"},
+     "40.0 px per degree the screen is 45.5 degrees wide"},
+    {"eyelink_mono.asc", "eyelink", "EyeLink ASC", 0, "40.0 px per degree"},
     {"eyelink_2000.asc", "eyelink", "EyeLink ASC", 0, "spread evenly at 2000 Hz: 2"},
     {"gazepoint.csv", "gazepoint", "Gazepoint", EYES | BLINK | PUPILS | GAP,
      "screen of 16:9 43.6 degrees wide"},
@@ -58,51 +49,12 @@ static const struct format {
 };
 enum { LOGS = sizeof logs / sizeof *logs };
 
-static char dir[64], path[96], sidecar[96];
-
-static int enter(void **state)
-{
-    (void)state;
-    snprintf(dir, sizeof dir, "tracker_formats.XXXXXX");
-    if (!mkdtemp(dir)) return -1;
-    snprintf(path, sizeof path, "%s/x.tsv.gz", dir);
-    snprintf(sidecar, sizeof sidecar, "%s/x.json", dir);
-    return 0;
-}
-
-static int leave(void **state)
-{
-    (void)state;
-    unlink(path);
-    unlink(sidecar);
-    return rmdir(dir);
-}
-
-static void spill(const char *to, const char *bytes, size_t size)
-{
-    FILE *file = fopen(to, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(bytes, 1, size, file), size);
-    assert_int_equal(fclose(file), 0);
-}
-
-/* Copy a small log to path; a BIDS one is its sidecar, an empty line, and the table. */
+/* Copy a small log to path. The caller frees its text. */
 static char *copy(const char *file, size_t *out_size)
 {
-    char from[512];
-    snprintf(from, sizeof from, CORPUS "%s", file);
-    FILE *in = fopen(from, "rb");
-    if (!in) fail_msg("no %s", from);
     char *text = calloc(1, 8192);
     assert_non_null(text);
-    *out_size = fread(text, 1, 8191, in);
-    fclose(in);
-    char *table = strncmp(file, "bids", 4) == 0 ? strstr(text, "\n\n") : NULL;
-    if (table) {
-        spill(sidecar, text, (size_t)(table - text));
-        *out_size -= (size_t)(table + 2 - text);
-        memmove(text, table + 2, *out_size + 1);
-    }
+    *out_size = corpus(file, text, 8192);
     spill(path, text, *out_size);
     return text;
 }

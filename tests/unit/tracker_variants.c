@@ -397,6 +397,43 @@ static void recordings_of_the_same_name(void **state)
             "fixations");
 }
 
+/* Names that look like missing numbers are names; a column that is empty says nothing; and there may be many.
+ */
+static void recordings_of_any_name(void **state)
+{
+    (void)state;
+    char error[TRK_ERROR_SIZE] = "", many[4096] = "n,x,y,val,dP,lab,Recording\n", name[16];
+    struct trk_log log;
+    refused("n,x,y,val,dP,lab,Participant\n0,1,0,0,1,1,#1\n0,2,0,0,1,1,None\n", "(#1, None)");
+    refused("n,x,y,val,dP,lab,Participant,Recording\n0,1,0,0,1,1,,R1\n0,2,0,0,1,1,n/a,R2\n", "(R1, R2)");
+    assert_true(trk_log_read_with(path, &(struct trk_log_options){.recording = "R2"}, &log_read, error));
+    is(0, 0, 2, 0);
+    for (int i = 0; i < 40; i++) {
+        const size_t used = strlen(many);
+        snprintf(many + used, sizeof many - used, "0,%d,0,0,1,1,N%d\n", i, i);
+    }
+    spill(path, many);
+    for (int i = 0; i < 40; i += 39) {
+        snprintf(name, sizeof name, "N%d", i);
+        trk_log_finish(&log_read);
+        assert_true(trk_log_read_with(path, &(struct trk_log_options){.recording = name}, &log_read, error));
+        is(0, 0, i, 0);
+    }
+    assert_false(trk_log_read_with(path, &(struct trk_log_options){.recording = "N40"}, &log, error));
+    assert_non_null(strstr(error, "has no recording 'N40'"));
+}
+
+/* BIDS may name one unit for all coordinates. */
+static void bids_units_of_all(void **state)
+{
+    (void)state;
+    spill(other[0], "{\"Columns\": [\"timestamp\", \"x_coordinate\", \"y_coordinate\"], \"RecordedEye\": "
+                    "\"left\", \"SampleCoordinateSystem\": \"eye-in-head\", \"SampleCoordinateUnits\": "
+                    "\"deg\", \"timestamp\": {\"Units\": \"ms\"}}");
+    reads("0\t5\t0\n4\t10\t5\n", NULL, "");
+    is(1, 4, 10, 5);
+}
+
 /* Metadata in folders above, of several sizes: the deepest, and of one folder that with most entities,
  * counts. */
 static void bids_inherits(void **state)
@@ -448,6 +485,8 @@ int main(void)
         TEST(glasses3_with_nan),
         TEST(clocks_that_do_not_run),
         TEST(recordings_of_the_same_name),
+        TEST(recordings_of_any_name),
+        TEST(bids_units_of_all),
         TEST(bids_inherits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -117,8 +117,7 @@ static bool read_row(void *context, struct trk_sample *sample, char out_error[TR
         !trk_table_number(&reader->table, reader->place[LOST], &lost, out_error))
         return false;
     sample->sequence = ++reader->sequence;
-    if (!trk_log_clock_count(&reader->clock, time_ns, &reader->table.reading->lines, &sample->device_ns,
-                             out_error))
+    if (!trk_log_clock_count(&reader->clock, time_ns, reader->table.reading, &sample->device_ns, out_error))
         return false;
     sample->arrival_ns = sample->device_ns;
     if (lost > 0) return true;
@@ -140,7 +139,6 @@ static bool read_layout(const struct layout *layout, struct trk_reading *reading
     struct reader reader = {.layout = layout};
     if (!begin(&reader, reading, out_error)) return false;
     if (!trk_table_read(&reader.table, read_row, &reader, out_error)) return false;
-    if (reader.clock.held) trk_assume(reading, "times that go back, held: %zu", reader.clock.held);
     return true;
 }
 

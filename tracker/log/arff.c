@@ -99,7 +99,7 @@ static bool read_row(void *context, struct trk_sample *sample, char out_error[TR
     sample->sequence = ++reader->sequence;
     if (!trk_table_time(table, reader->place[TIME], trk_time_unit(table->reading, 1e3), &time_ns,
                         out_error) ||
-        !trk_log_clock_count(&reader->clock, time_ns, &table->reading->lines, &sample->device_ns, out_error))
+        !trk_log_clock_count(&reader->clock, time_ns, table->reading, &sample->device_ns, out_error))
         return false;
     sample->arrival_ns = sample->device_ns;
     for (int i = X; i < COLUMNS; i++)
@@ -134,7 +134,6 @@ static bool read_arff(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE
         !trk_table_read(&reader.table, read_row, &reader, out_error))
         return false;
     if (reader.place[X_HEAD] >= 0) trk_assume(reading, "a positive roll is the head's tilt to the left");
-    if (reader.clock.held) trk_assume(reading, "times that go back, held: %zu", reader.clock.held);
     return true;
 }
 

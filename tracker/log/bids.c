@@ -42,24 +42,17 @@ struct reader {
 
 /* --- the sidecar ---------------------------------------------------------------------------------------- */
 
-static bool is_events(const char *path)
-{
-    char suffix[32];
-    trk_bids_suffix(path, suffix);
-    return strcmp(suffix, "physioevents") == 0;
-}
-
 static bool load_both(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 {
     const char *path = reader->reading->lines.path;
     struct trk_bids_places places;
     char suffix[32];
     trk_bids_suffix(path, suffix);
-    if (is_events(path))
+    if (strcmp(suffix, "physioevents") == 0)
         return trk_lines_fail(&reader->reading->lines, out_error,
                               "is BIDS events (onset, duration, ... by *_physioevents.json), expected the "
                               "_physio.tsv.gz of the gaze that lies beside it");
-    reader->sidecar = trk_bids_inherit(reader->reading, *suffix ? suffix : NULL, &places, out_error);
+    reader->sidecar = trk_bids_inherit(reader->reading, NULL, &places, out_error);
     if (!reader->sidecar) return false;
     if (json_object_get(reader->sidecar, "Columns")) {
         reader->events = trk_bids_inherit(reader->reading, "events", &places, out_error);
@@ -195,8 +188,8 @@ static bool read_place(struct reader *reader, char out_error[TRK_ERROR_SIZE])
     const json_t *root = reader->sidecar;
     const char *system = text_of(root, "SampleCoordinateSystem"), *eye = text_of(root, "RecordedEye");
     const char *unit = text_of(json_object_get(root, names[X]), "Units");
-    bool on_screen = strcmp(system, "gaze-on-screen") == 0, is_deg = strncasecmp(unit, "deg", 3) == 0;
     if (!*unit) unit = text_of(root, "SampleCoordinateUnits");
+    bool on_screen = strcmp(system, "gaze-on-screen") == 0, is_deg = strncasecmp(unit, "deg", 3) == 0;
     reader->eye = strcmp(eye, "left") == 0 ? 0 : strcmp(eye, "right") == 0 ? 1 : 2;
     if (!on_screen && strcmp(system, "eye-in-head") != 0 && strcmp(system, "gaze-in-world") != 0)
         return trk_lines_fail(
@@ -245,11 +238,10 @@ static void set_gaze(struct reader *reader, double x, double y, struct trk_sampl
 static bool read_row(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 {
     struct trk_sample sample = {.sequence = ++reader->sequence};
-    const struct trk_lines *lines = &reader->reading->lines;
     double x, y, pupil;
     int64_t time_ns;
     if (!trk_table_time(&reader->table, reader->place[TIME], reader->unit_ns, &time_ns, out_error) ||
-        !trk_log_clock_count(&reader->clock, time_ns, lines, &sample.device_ns, out_error) ||
+        !trk_log_clock_count(&reader->clock, time_ns, reader->reading, &sample.device_ns, out_error) ||
         !trk_table_number(&reader->table, reader->place[X], &x, out_error) ||
         !trk_table_number(&reader->table, reader->place[Y], &y, out_error) ||
         !trk_table_number(&reader->table, reader->place[PUPIL], &pupil, out_error))
@@ -271,11 +263,11 @@ static bool read_bids(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE
     enum trk_line line = trk_table_first(&reader.table, out_error);
     for (; line == TRK_LINE; line = trk_table_next(&reader.table, out_error))
         if (!read_row(&reader, out_error)) return false;
-    if (reader.clock.held) trk_assume(reading, "times that go back, held: %zu", reader.clock.held);
     return line == TRK_LINE_END;
 }
 
-/* Tabs between numbers, from the first line on. Of a file whose name is BIDS's, others may be between. */
+/* Tabs between numbers, from the first line on. Under a name that BIDS gives, other columns may stand between
+ * them. */
 static bool detect(const struct trk_reading *reading)
 {
     const struct trk_header *header = &reading->header;

@@ -73,8 +73,9 @@ static bool applies(const struct name *file, const struct name *table, const cha
     return true;
 }
 
-/* The folders to look in, from the table's own upwards; the root of the dataset is the last. Without one they
- * end above the folder of the subject, or are the own one alone. */
+/* The folders to look in, from the table's own upwards; the root of the dataset is the last. Without a
+ * dataset_description.json they end with the folder above the subject's (sub-...); without such a folder, the
+ * table's own folder is the only one. */
 static size_t find_levels(const char *path, char *out_levels[MAX_LEVELS])
 {
     size_t length = (size_t)(base_of(path) - path), count = 0, above_subject = 1;

@@ -14,7 +14,7 @@ double trk_time_unit(const struct trk_reading *reading, double own_ns)
     return strcmp(unit, "s") == 0 ? 1e9 : strcmp(unit, "ms") == 0 ? 1e6 : strcmp(unit, "us") == 0 ? 1e3 : 1;
 }
 
-bool trk_log_clock_count(struct trk_log_clock *clock, int64_t time_ns, const struct trk_lines *lines,
+bool trk_log_clock_count(struct trk_log_clock *clock, int64_t time_ns, struct trk_reading *reading,
                          uint64_t *out_ns, char out_error[TRK_ERROR_SIZE])
 {
     if (!clock->started) {
@@ -25,9 +25,9 @@ bool trk_log_clock_count(struct trk_log_clock *clock, int64_t time_ns, const str
     if (ns < 0 || (uint64_t)ns < clock->last_ns) {
         double back_ns = (double)clock->last_ns - (double)ns;
         if (back_ns > (double)TRK_MAX_STEP_BACK_NS)
-            return trk_lines_fail(lines, out_error, "time goes back by %g s, expected it never to",
+            return trk_lines_fail(&reading->lines, out_error, "time goes back by %g s, expected it never to",
                                   back_ns / 1e9);
-        clock->held++;
+        reading->held++;
     } else {
         clock->last_ns = (uint64_t)ns;
     }
@@ -37,12 +37,12 @@ bool trk_log_clock_count(struct trk_log_clock *clock, int64_t time_ns, const str
 
 /* --- clocks that do not run ----------------------------------------------------------------------------- */
 
-/* Steps of a clock that is fetched more often than it moves are mostly none too, and then one sample's: this
- * is longer than any tracker's. */
+/* A clock that is read more often than it ticks also has mostly steps of 0, and between them steps of one
+ * sample. A step this long is longer than one sample of any tracker. */
 static const uint64_t coarse_ns = 100000000;
 
-/* How exact times with an exponent must be, so that a tracker's samples can be told apart at all, and so that
- * nothing need be said. */
+/* Times with an exponent: if their last digit is worth coarsest_ns or more, samples cannot be told apart; up
+ * to exact_ns, nothing is said. */
 static const double coarsest_ns = 5e7, exact_ns = 1e6;
 
 enum kind { RUNS, STANDS, COARSE };

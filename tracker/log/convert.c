@@ -1,6 +1,8 @@
 /* From what devices record to our units and frame: frames, screens, and the fields of a sample. */
 #include "log/log.h"
 
+#include "events.h"
+
 #include <cglm/cglm.h>
 #include <math.h>
 #include <string.h>
@@ -136,12 +138,10 @@ bool trk_combine(struct trk_sample *sample)
     vec3 direction = {0}, origin = {0};
     int eyes = 0, origins = 0;
     bool is_mean = false;
-    bool closed[2]; /* an eye under its lid tells nothing where the other one is open */
-    for (int i = 0; i < 2; i++)
-        closed[i] = (sample->valid & TRK_LEFT_OPENNESS << 4 * i) && sample->eye[i].openness < 0.5f;
     for (int i = 0; i < 2; i++) {
-        const bool other = (sample->valid & TRK_LEFT_DIRECTION << 4 * !i) && !closed[!i];
-        if ((sample->valid & TRK_LEFT_DIRECTION << 4 * i) && !(closed[i] && other)) {
+        /* an eye under its lid tells nothing where the other one is open */
+        const bool other = (sample->valid & TRK_LEFT_DIRECTION << 4 * !i) && !trk_is_lid_down(sample, !i);
+        if ((sample->valid & TRK_LEFT_DIRECTION << 4 * i) && !(trk_is_lid_down(sample, i) && other)) {
             glm_vec3_add(direction, sample->eye[i].direction, direction);
             eyes++;
         }

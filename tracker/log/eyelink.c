@@ -5,17 +5,17 @@
  *   SAMPLES GAZE LEFT RIGHT RATE 1000.00 ...               what samples hold, and how often
  *   1408660  964.3 541.5 288.0  960.5 538.8 305.0  .....   ms; x, y and pupil of each eye, `.` is lost
  *   SBLINK L <ms>, EBLINK L <ms> <ms> ...                  and other events
- *   END <ms> SAMPLES EVENTS RES 35.18 35.14                pixels a degree across and down, on average
+ *   END <ms> SAMPLES EVENTS RES 35.18 35.14                pixels per degree across and down, on average
  *
  * Times are whole ms, or at 2000 Hz either halves or every ms twice: of equal times the later ones are moved
  * by what the rate says. Pixels count from the top left corner, so that x is to the right and y down. A real
  * blink agrees: as the lid closes, eyes roll down and towards the nose, and there the right eye's y grows
  * and its x falls before it is lost (the test looks at it). The screen's angle follows from RES, unless
- * options say another; without both it is a default. Both may change from one recording (START to END) to the
- * next, as may the coordinates: each has its own. The pupil has arbitrary units and is left out. A closed
- * eye is marked by openness 0; outside of blinks nothing is said about it. Only GAZE samples have a place on
- * the screen: files with HREF or PUPIL ones are refused. Between recordings (START to END) time goes on and
- * no sample is lost. */
+ * options say another; without both it is a default. Resolution and coordinates may change from one recording
+ * (START to END) to the next; each recording is turned by its own. The pupil has arbitrary units and is left
+ * out. A closed eye is marked by openness 0; outside of blinks nothing is said about it. Only GAZE samples
+ * have a place on the screen: files with HREF or PUPIL ones are refused. Between recordings (START to END)
+ * time goes on and no sample is lost. */
 #include "log/formats.h"
 
 #include <ctype.h>
@@ -29,7 +29,7 @@ enum { LEFT_EYE = 1, RIGHT_EYE = 2 };
 struct segment {
     size_t first;         /* of the log's samples */
     double edges[4];      /* left, top, right, bottom: px; NaN if unknown */
-    double resolution[2]; /* px a degree, across and down; NaN if unknown */
+    double resolution[2]; /* px per degree, across and down; NaN if unknown */
 };
 
 struct reader {
@@ -171,7 +171,7 @@ static bool take_sample(struct reader *reader, int64_t time_ns, char *const *pla
         time_ns += (int64_t)later_ns;
         reader->spread++;
     }
-    if (!trk_log_clock_count(&reader->clock, time_ns, &reader->reading->lines, &sample.device_ns, out_error))
+    if (!trk_log_clock_count(&reader->clock, time_ns, reader->reading, &sample.device_ns, out_error))
         return false;
     sample.arrival_ns = sample.device_ns;
     for (int eye = 0; eye < 2; eye++) {
@@ -235,7 +235,7 @@ static bool init_plane(struct reader *reader, const struct segment *segment, con
     if (isfinite(resolution[0])) {
         fov_deg = 2 * atan(width / 2 * tan(M_PI / 180) / resolution[0]) * 180 / M_PI;
         squeeze = resolution[1] / resolution[0];
-        snprintf(what, sizeof what, "by the file's %.1f px a degree the screen%s is", resolution[0],
+        snprintf(what, sizeof what, "by the file's %.1f px per degree the screen%s is", resolution[0],
                  segment->first ? " from there on" : "");
     }
     if (says && segment->first)
@@ -274,15 +274,17 @@ static bool turn_samples(struct reader *reader, char out_error[TRK_ERROR_SIZE])
         is_default = true;
     }
     if (is_default && reader->reading->log->count) trk_assume(reader->reading, "screen of 1920 x 1080 px");
+    double mean[2] = {NAN, NAN}; /* of the segments with the same screen */
     for (size_t i = 0; i < reader->segment_count; i++) {
         const struct segment *segment = &reader->segments[i];
         const bool is_last = i + 1 == reader->segment_count;
-        double mean[2];
         struct trk_plane plane;
         bool says = i == 0 || !is_same_screen(segment, segment - 1);
-        mean_resolution(reader, segment, mean);
-        /* What is said is the mean; what is used is its own, if it has one. */
-        if (says && !init_plane(reader, segment, mean, true, &plane, out_error)) return false;
+        /* What is said is the mean; what is used is a segment's own, if it has one. */
+        if (says) {
+            mean_resolution(reader, segment, mean);
+            if (!init_plane(reader, segment, mean, true, &plane, out_error)) return false;
+        }
         if (!init_plane(reader, segment, isnan(segment->resolution[0]) ? mean : segment->resolution, false,
                         &plane, out_error))
             return false;
@@ -316,7 +318,6 @@ static bool read_eyelink(struct trk_reading *reading, char out_error[TRK_ERROR_S
         trk_assume(reading,
                    "samples with the same millisecond as the one before, spread evenly at %g Hz: %zu",
                    reader.rate_hz, reader.spread);
-    if (ok && reader.clock.held) trk_assume(reading, "times that go back, held: %zu", reader.clock.held);
     ok = ok && turn_samples(&reader, out_error);
     free(reader.segments);
     return ok;

@@ -83,9 +83,11 @@ static bool read_times(struct reader *reader, struct trk_sample *sample, char ou
     if (tick && !trk_field_time(reader->reading, tick, 1e9 / reader->tick_hz, &tick_ns))
         return trk_lines_fail(lines, out_error, "TIME_TICK is '%.40s', expected ticks", tick);
     if (tick) join(reader, &time_ns, tick_ns);
-    if (!trk_log_clock_count(&reader->device, time_ns, lines, &sample->device_ns, out_error)) return false;
+    if (!trk_log_clock_count(&reader->device, time_ns, reader->reading, &sample->device_ns, out_error))
+        return false;
     sample->arrival_ns = sample->device_ns;
-    return !tick || trk_log_clock_count(&reader->host, tick_ns, lines, &sample->arrival_ns, out_error);
+    return !tick ||
+           trk_log_clock_count(&reader->host, tick_ns, reader->reading, &sample->arrival_ns, out_error);
 }
 
 /* CNT may begin anew too; it counts on from there. */
@@ -120,8 +122,7 @@ static bool read_record(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 {
     struct trk_sample sample = {0};
     bool valid;
-    double blink;
-    double fixation;
+    double blink, fixation;
     int both = reader->fields[BPOG] ? BPOG : FPOG;
     reader->is_fixation |= both == FPOG;
     if (!number(reader, FPOGID, &fixation, out_error)) return false;
@@ -167,9 +168,6 @@ static bool finish(struct reader *reader, char out_error[TRK_ERROR_SIZE])
     if (reader->is_fixation) trk_assume(reader->reading, "no BPOG: gaze is that of fixations (FPOG)");
     if (reader->restarts)
         trk_assume(reader->reading, "TIME begins anew %zu times, joined by the ticks", reader->restarts);
-    if (reader->device.held + reader->host.held)
-        trk_assume(reader->reading, "times that go back were held (%zu of the tracker, %zu of the host)",
-                   reader->device.held, reader->host.held);
     return true;
 }
 
@@ -201,6 +199,8 @@ static bool read_export(struct trk_reading *reading, char out_error[TRK_ERROR_SI
     struct trk_table table;
     int place[VALUES];
     trk_table_init(&table, reading);
+    if (reading->header.count > TRK_MAX_FIELDS && !trk_table_need(&table, names, 1, place, out_error))
+        return false;
     if (!begin(&reader, out_error)) return false;
     for (int i = 0; i < VALUES; i++) place[i] = i == TIME ? -1 : trk_header_find(&reading->header, names[i]);
     if (!find_times(&reader, place, out_error)) return false;

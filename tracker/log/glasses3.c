@@ -48,8 +48,7 @@ static bool read_object(struct trk_reading *reading, const json_t *root, struct 
     if (!json_is_number(stamp) || !(time_ns > -0x1p60 && time_ns < 0x1p60))
         return trk_lines_fail(&reading->lines, out_error, "has no timestamp, expected seconds");
     struct trk_sample sample = {.sequence = reading->log->count + 1};
-    if (!trk_log_clock_count(clock, (int64_t)time_ns, &reading->lines, &sample.device_ns, out_error))
-        return false;
+    if (!trk_log_clock_count(clock, (int64_t)time_ns, reading, &sample.device_ns, out_error)) return false;
     sample.arrival_ns = sample.device_ns;
     read_eye(data, 0, frame, &sample);
     read_eye(data, 1, frame, &sample);
@@ -91,7 +90,6 @@ static bool read_glasses3(struct trk_reading *reading, char out_error[TRK_ERROR_
         json_decref(root);
         if (!ok) return false;
     }
-    if (clock.held) trk_assume(reading, "times that go back, held: %zu", clock.held);
     return line == TRK_LINE_END;
 }
 

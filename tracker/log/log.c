@@ -218,7 +218,8 @@ static bool read_head(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE
     lines->number = 1;
     if (!trk_check_magic(reading, size, out_error)) return false;
     reading->head[size] = '\0';
-    lines->end = strchr(reading->head, '\r') && !strchr(reading->head, '\n') ? '\r' : '\n';
+    const char *cr = strchr(reading->head, '\r'); /* of a pair, the other half may lie beyond the head */
+    lines->end = cr && cr[strspn(cr, "\r")] && !strchr(reading->head, '\n') ? '\r' : '\n';
     for (char *c = reading->head; (c = strchr(c, '\r'));) *c = '\n';
     if (strncmp(reading->head, "\xef\xbb\xbf", 3) == 0) memmove(reading->head, reading->head + 3, size - 2);
     trk_lines_rewind(lines);

@@ -92,7 +92,7 @@ struct trk_header {
 };
 
 /* Whose rows they are, where a table holds several recordings: participant and recording. */
-enum { TRK_MAX_RECORDINGS = 32, TRK_RECORDING_SIZE = 128 };
+enum { TRK_MAX_RECORDINGS = 1024, TRK_RECORDING_SIZE = 128 };
 struct trk_recording {
     char participant[TRK_RECORDING_SIZE], name[TRK_RECORDING_SIZE]; /* "" where there is no column */
 };
@@ -117,6 +117,7 @@ struct trk_reading {
     bool has_decimal_commas;
     size_t rows;      /* taken, however often */
     size_t cut_line;  /* the number of a line that was cut off; 0: none was */
+    size_t held;      /* times that went back a little: see trk_log_clock */
     size_t eyes_mean; /* samples whose gaze is the mean of two eyes */
     /* Times with an exponent, as spreadsheets write them (1.70000E+18): the first, what its last digit is
      * worth (ns), and whether there are others without. */
@@ -124,6 +125,7 @@ struct trk_reading {
     double exponent_step_ns;
     bool has_plain_times;
     struct trk_recording recordings[TRK_MAX_RECORDINGS]; /* that were met */
+    size_t recordings_wanted; /* of them, those that the option may mean; without one, all */
     size_t recording_count;
     bool has_more_recordings; /* than there is room for */
     char scratch[TRK_LINE_SIZE];
@@ -167,8 +169,8 @@ void trk_assume(struct trk_reading *reading, const char *format, ...) __attribut
 enum { TRK_BLANKS = 1 };
 
 /* Cut text in place at every separator; fields that are adjacent to nothing are empty. Returns their number,
- * and fills the first TRK_MAX_FIELDS of out_fields, which point into text. At commas, semicolons and tabs,
- * blanks around a field go, and so do quotes, inside of which a separator is none and "" is a quote. */
+ * and fills the first TRK_MAX_FIELDS of out_fields, which point into text. At commas, semicolons, tabs and
+ * bars, blanks around a field go, and so do quotes, inside of which a separator is none and "" is a quote. */
 size_t trk_split(char *text, char separator, char *out_fields[TRK_MAX_FIELDS]);
 
 /* The separator that a line of names has most of, outside of quotes; TRK_BLANKS if it has none. */
@@ -177,8 +179,8 @@ char trk_separator_of(const char *line);
 /* Take the first line that is not empty, past one that names the separator (sep=;). */
 enum trk_line trk_first_row(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE]);
 
-/* Take the next line that is not empty. TRK_LINE_END too if the file ends without ending that line, which was
- * then cut off: it is left out and noted. */
+/* Take the next line that is not empty. TRK_LINE_END too if the file ends without ending that line, unless
+ * the line ends with what closes a row of its format: the line was cut off, is left out, and is noted. */
 enum trk_line trk_next_row(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE]);
 
 /* What becomes of a row that is too short: TRK_LINE_END, noted, if it is the last of several, so that the
@@ -264,13 +266,14 @@ bool trk_table_integer(struct trk_table *table, int column, int64_t *out_value,
 bool trk_table_time(struct trk_table *table, int column, double unit_ns, int64_t *out_ns,
                     char out_error[TRK_ERROR_SIZE]);
 
-/* The ns of a tick in a column of times of unknown unit, told from the middle step of the first rows: gaze is
- * recorded at 20 to 2500 Hz, and of s, ms, us and ns only one puts it there. Leaves the reading at the first
- * row. 0 with a message when none does. An option that names the unit is followed instead. */
+/* The ns of a tick in a column of times of unknown unit, told from the middle step of the first rows, or else
+ * from their mean step: gaze is recorded at 20 to 2500 Hz, and of s, ms, us and ns only one puts it there.
+ * Leaves the reading at the first row. 0 with a message when none does. An option that names the unit is
+ * followed instead. */
 double trk_table_guess_unit(struct trk_table *table, int column, char out_error[TRK_ERROR_SIZE]);
 
-/* Whose row it is that was taken last. Several: the option means more than one, or there is none and the rows
- * before were another's. */
+/* Whose the row in hand is. SEVERAL: the option fits more than one recording, or no option was given and
+ * earlier rows are of another recording. */
 enum trk_recording_row { TRK_RECORDING_WANTED, TRK_RECORDING_OTHER, TRK_RECORDING_SEVERAL };
 enum trk_recording_row trk_recording_of_row(struct trk_table *table);
 
@@ -287,19 +290,18 @@ double trk_time_unit(const struct trk_reading *reading, double own_ns);
 #define TRK_MAX_STEP_BACK_NS UINT64_C(100000000)
 
 /* A clock that counts from its first time and never goes back: what is a little earlier than the last time
- * counts as that one, and is counted in held. Further back is refused. */
+ * counts as that one, and is counted in reading->held. Further back is refused. */
 struct trk_log_clock {
     bool started;
     int64_t first_ns;
     uint64_t last_ns;
-    size_t held;
 };
-bool trk_log_clock_count(struct trk_log_clock *clock, int64_t time_ns, const struct trk_lines *lines,
+bool trk_log_clock_count(struct trk_log_clock *clock, int64_t time_ns, struct trk_reading *reading,
                          uint64_t *out_ns, char out_error[TRK_ERROR_SIZE]);
 
-/* Are the times of the samples so far no clock: all the same, or the same for most rows and then far apart,
- * or rounded by a spreadsheet? False with a line that says so, unless the log's other clock can be taken
- * instead, which is noted. */
+/* Check that the times of the samples so far are those of a clock: not all the same, not the same for most
+ * rows and then far apart, not rounded by a spreadsheet. Where they are not, the log's other clock is taken,
+ * which is noted; false with a message if that is none either. */
 bool trk_check_clocks(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE]);
 
 /* How a file's vectors turn into ours (+X right, +Y up, -Z forward): three letters say where its +X, +Y and

@@ -174,9 +174,10 @@ const struct trk_log_format trk_log_own = {
 
 /* --- writing -------------------------------------------------------------------------------------------- */
 
-/* value, above 0, as %.*g with so many digits writes it, where that is plain: without an exponent, and where
- * the digits are beyond the doubt of a product in double. 0 where it is not. out_read: what strtof() makes of
- * it. */
+/* Write value, above 0, as printf("%.*g", digits, value) would, and return the length. 0: the text would have
+ * an exponent, or rounding in double leaves its last digit in doubt. *out_read: what strtof() reads back from
+ * it.
+ */
 static size_t print_plain(char *out, double value, int digits, float *out_read)
 {
     static const double powers[] = {1e-4, 1e-3, 1e-2, 1e-1, 1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6};
@@ -208,7 +209,7 @@ static size_t print_plain(char *out, double value, int digits, float *out_read)
 }
 
 /* The fewest digits, up to the nine that always suffice, that read back as the same float; after a separator.
- * Most fields of most logs are 0, and printf() would be nine tenths of the time that writing takes. */
+ * Most fields of most logs are 0, and printf() is slow. */
 static size_t print_float(char *out, size_t size, float value)
 {
     const bool negative = signbit(value);

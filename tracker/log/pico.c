@@ -43,8 +43,7 @@ static bool read_row(void *context, struct trk_sample *sample, char out_error[TR
     int64_t time_ns;
     sample->sequence = ++reader->sequence;
     if (!trk_table_time(table, reader->place[TIME], reader->unit_ns, &time_ns, out_error) ||
-        !trk_log_clock_count(&reader->clock, time_ns, &table->reading->lines, &sample->device_ns,
-                             out_error) ||
+        !trk_log_clock_count(&reader->clock, time_ns, table->reading, &sample->device_ns, out_error) ||
         !trk_table_numbers(table, &reader->place[GAZE], 3, gaze, out_error) ||
         !trk_table_numbers(table, &reader->place[ROTATION], 3, angles, out_error) ||
         !trk_table_numbers(table, &reader->extra[POSITION], 3, position, out_error))
@@ -75,7 +74,6 @@ static bool read_pico(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE
     for (int i = 0; i < OPTIONAL; i++) reader.extra[i] = trk_header_find(&reading->header, optional[i]);
     if (!reading->options->frame) trk_assume(reading, "gaze is in Unity's frame (RUF)");
     if (!trk_table_read(&reader.table, read_row, &reader, out_error)) return false;
-    if (reader.clock.held) trk_assume(reading, "times that go back, held: %zu", reader.clock.held);
     return true;
 }
 

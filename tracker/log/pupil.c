@@ -281,7 +281,7 @@ static bool read_cloud_row(void *context, struct trk_sample *sample, char out_er
     double azimuth, elevation;
     int64_t time_ns;
     if (!trk_table_time(table, cloud->place[STAMP], cloud->unit_ns, &time_ns, out_error) ||
-        !trk_log_clock_count(&cloud->clock, time_ns, &table->reading->lines, &sample->device_ns, out_error) ||
+        !trk_log_clock_count(&cloud->clock, time_ns, table->reading, &sample->device_ns, out_error) ||
         !trk_table_number(table, cloud->place[AZIMUTH], &azimuth, out_error) ||
         !trk_table_number(table, cloud->place[ELEVATION], &elevation, out_error))
         return false;
@@ -312,7 +312,6 @@ static bool read_cloud(struct trk_reading *reading, char out_error[TRK_ERROR_SIZ
     trk_assume(reading, "the head is the scene camera");
     if (!trk_table_read(&cloud.table, read_cloud_row, &cloud, out_error)) return false;
     if (cloud.blinks) trk_assume(reading, "samples in blinks, counted as lost: %zu", cloud.blinks);
-    if (cloud.clock.held) trk_assume(reading, "times that go back, held: %zu", cloud.clock.held);
     return true;
 }
 

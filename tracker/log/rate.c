@@ -1,15 +1,12 @@
 /* The rate of a log. Steps of time are uneven in many: a tracker that stamps its samples in bursts, a host
  * that was held up and then catches up, whole ms of a camera of 120 Hz, stamps that were skipped; and there
- * are pauses and losses between, which no rate should count. So the rate is that of the mean step, of those
- * that are no gaps; what a gap is follows from the rate, and both are found in turns. They begin with the
- * middle step: where most steps are even, few are gaps by it. Where many would be, samples come in bursts,
- * and they begin with the mean of all. */
+ * are pauses and losses between, which no rate should count. So the rate is that of the mean of the steps
+ * that are no gaps. What a gap is follows from the rate, and the rate from the gaps, so both are found in
+ * turns. The turns start from the middle step: where most steps are even, few of them are gaps by it. Where
+ * many would be, samples come in bursts, and the turns start from the mean of all steps. */
 #include "tracker.h"
 
 #include <stdlib.h>
-
-/* A gap is this many times as long as the mean step. */
-static const double gap_steps = 2.5;
 
 /* Steps are even if so many of them are from half to twice the middle one, and no more than so many are gaps
  * by it; of gaps that are no longer than a burst, fewer. */
@@ -46,9 +43,9 @@ static double missing_ns(const struct trk_log *log, double mean_ns, size_t sampl
 static bool is_gap(const struct trk_log *log, double mean_ns, const struct burst *burst, size_t i)
 {
     const double step = step_ns(log, i);
-    return step > gap_steps * mean_ns &&
+    return step > TRK_GAP_STEPS * mean_ns &&
            (step > burst->pause_ns ||
-            missing_ns(log, mean_ns, burst->samples, i) > (gap_steps - 1) * mean_ns);
+            missing_ns(log, mean_ns, burst->samples, i) > (TRK_GAP_STEPS - 1) * mean_ns);
 }
 
 static int by_size(const void *a, const void *b)
@@ -57,7 +54,7 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* *out_even: the share of the steps that are much like it. */
+/* The middle step, and the share of steps that are from half to twice as long (*out_even). */
 static bool find_middle(const struct trk_log *log, uint64_t *out_ns, double *out_even)
 {
     size_t even = 0;

@@ -33,12 +33,11 @@ static bool is_wanted(const struct trk_recording *recording, const char *option)
            strcasecmp(option + length + 1, recording->name) == 0;
 }
 
-/* False if the row does not say. */
-static bool set(char out[TRK_RECORDING_SIZE], const struct trk_table *table, int column)
+/* "" where the row does not say. */
+static void take(char out[TRK_RECORDING_SIZE], const struct trk_table *table, int column)
 {
-    if (column < 0) return true;
-    snprintf(out, TRK_RECORDING_SIZE, "%s", table->fields[column]);
-    return !trk_is_missing(out);
+    const char *field = column < 0 ? "" : table->fields[column];
+    snprintf(out, TRK_RECORDING_SIZE, "%s", strcasecmp(field, "n/a") == 0 ? "" : field);
 }
 
 enum trk_recording_row trk_recording_of_row(struct trk_table *table)
@@ -46,21 +45,21 @@ enum trk_recording_row trk_recording_of_row(struct trk_table *table)
     struct trk_reading *reading = table->reading;
     const char *option = reading->options->recording;
     struct trk_recording recording;
-    recording.participant[0] = recording.name[0] = '\0';
-    if (!set(recording.participant, table, table->participant) ||
-        !set(recording.name, table, table->recording) || (table->participant < 0 && table->recording < 0))
+    take(recording.participant, table, table->participant);
+    take(recording.name, table, table->recording);
+    if (!*recording.participant && !*recording.name)
         return option ? TRK_RECORDING_OTHER : TRK_RECORDING_WANTED;
-    size_t i = 0, wanted = 0;
+    size_t i = 0;
     while (i < reading->recording_count && !is_same(&reading->recordings[i], &recording)) i++;
     if (i == TRK_MAX_RECORDINGS) {
         reading->has_more_recordings = true;
     } else if (i == reading->recording_count) {
         reading->recordings[reading->recording_count++] = recording;
+        reading->recordings_wanted += !option || is_wanted(&recording, option);
     }
     if (option && !is_wanted(&recording, option)) return TRK_RECORDING_OTHER;
-    for (size_t k = 0; k < reading->recording_count; k++)
-        wanted += !option || is_wanted(&reading->recordings[k], option);
-    return wanted > 1 || i == TRK_MAX_RECORDINGS ? TRK_RECORDING_SEVERAL : TRK_RECORDING_WANTED;
+    return reading->recordings_wanted > 1 || i == TRK_MAX_RECORDINGS ? TRK_RECORDING_SEVERAL
+                                                                     : TRK_RECORDING_WANTED;
 }
 
 /* "A, B or C", of those that the option may mean, or of all. */
@@ -87,18 +86,19 @@ bool trk_recording_is_met(const struct trk_table *table, char out_error[TRK_ERRO
     const struct trk_reading *reading = table->reading;
     const char *option = reading->options->recording;
     char names[TRK_ERROR_SIZE / 2];
-    size_t wanted = 0;
-    for (size_t i = 0; i < reading->recording_count; i++)
-        wanted += !option || is_wanted(&reading->recordings[i], option);
+    const size_t wanted = reading->recordings_wanted;
     if (option && table->participant < 0 && table->recording < 0)
         return trk_fail(out_error, "%s: has no column that tells recordings apart, expected no --recording",
                         reading->lines.path);
+    if (option && reading->has_more_recordings)
+        return trk_fail(out_error, "%s: holds more than %d recordings, expected fewer", reading->lines.path,
+                        TRK_MAX_RECORDINGS);
     if (option && wanted == 0) {
         list(reading, false, names, sizeof names);
         return trk_fail(out_error, "%.150s: has no recording '%.40s', expected one of %s",
                         reading->lines.path, option, names);
     }
-    if (wanted <= 1 && (option || !reading->has_more_recordings)) return true;
+    if (wanted <= 1 && !reading->has_more_recordings) return true;
     list(reading, true, names, sizeof names);
     return trk_fail(out_error,
                     "%.100s: holds several recordings (%s), expected one to be told: foveactl gaze convert "

@@ -130,15 +130,15 @@ static bool read_host(struct reader *reader, int64_t *out_ns, char out_error[TRK
 static bool read_row(void *context, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
 {
     struct reader *reader = context;
-    const struct trk_lines *lines = &reader->table.reading->lines;
     int64_t device_ns, host_ns;
     if (!trk_table_time(&reader->table, reader->place[DEVICE], reader->device_unit_ns, &device_ns,
                         out_error) ||
         !read_host(reader, &host_ns, out_error))
         return false;
     sample->sequence = ++reader->sequence;
-    if (!trk_log_clock_count(&reader->device, device_ns, lines, &sample->device_ns, out_error) ||
-        !trk_log_clock_count(&reader->host, host_ns, lines, &sample->arrival_ns, out_error))
+    if (!trk_log_clock_count(&reader->device, device_ns, reader->table.reading, &sample->device_ns,
+                             out_error) ||
+        !trk_log_clock_count(&reader->host, host_ns, reader->table.reading, &sample->arrival_ns, out_error))
         return false;
     for (int eye = 0; eye < 2; eye++) {
         bool valid;
@@ -162,9 +162,6 @@ static bool read_rows(struct reader *reader, struct trk_reading *reading, char o
     reading->clock_names[1] = reading->header.names[reader->place[HOST]];
     if (!trk_table_read(&reader->table, read_row, reader, out_error)) return false;
     if (reader->mended) trk_assume(reading, "rows whose missing comma was put back: %zu", reader->mended);
-    if (reader->device.held + reader->host.held)
-        trk_assume(reading, "times that go back were held (%zu of the tracker, %zu of the host)",
-                   reader->device.held, reader->host.held);
     return true;
 }
 

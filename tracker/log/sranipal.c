@@ -114,8 +114,8 @@ static bool read_time(struct reader *reader, struct trk_sample *out_sample, char
     if (step > INT32_MAX)
         return trk_lines_fail(&reader->reading->lines, out_error,
                               "%s goes back by %u ms, expected it never to", names[STAMP], -step);
-    int64_t ticks;
-    if (__builtin_sub_overflow(tick, reader->first_tick, &ticks) || ticks < 0 || ticks > INT64_MAX / 100)
+    const int64_t ticks = tick - reader->first_tick; /* fits: see trk_table_time() */
+    if (ticks < 0 || ticks > INT64_MAX / 100)
         return trk_lines_fail(&reader->reading->lines, out_error,
                               "%s is %lld, expected %lld or a little later", names[TICKS], (long long)tick,
                               (long long)reader->first_tick);

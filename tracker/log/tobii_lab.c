@@ -91,7 +91,7 @@ static void find_eye(struct reader *reader, const struct trk_header *header, int
     }
 }
 
-/* Where the unit is not in the header: what the steps of all rows tell. */
+/* The unit of Recording timestamp: what its brackets say, else what the steps of the first rows tell. */
 static bool find_unit(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 {
     struct trk_reading *reading = reader->table.reading;
@@ -263,7 +263,6 @@ static void set_eye(const struct reader *reader, int index, const struct eye *ey
 
 static bool read_times(struct reader *reader, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
 {
-    const struct trk_lines *lines = &reader->table.reading->lines;
     int64_t host_ns, device_ns;
     if (!trk_table_time(&reader->table, reader->recording, reader->recording_unit_ns, &host_ns, out_error))
         return false;
@@ -277,8 +276,9 @@ static bool read_times(struct reader *reader, struct trk_sample *sample, char ou
     reading->clock_names[0] =
         reading->header.names[reader->tracker >= 0 ? reader->tracker : reader->recording];
     reading->clock_names[1] = reader->tracker >= 0 ? reading->header.names[reader->recording] : NULL;
-    return trk_log_clock_count(&reader->device, device_ns, lines, &sample->device_ns, out_error) &&
-           trk_log_clock_count(&reader->host, host_ns, lines, &sample->arrival_ns, out_error);
+    return trk_log_clock_count(&reader->device, device_ns, reader->table.reading, &sample->device_ns,
+                               out_error) &&
+           trk_log_clock_count(&reader->host, host_ns, reader->table.reading, &sample->arrival_ns, out_error);
 }
 
 static bool read_row(void *context, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])

@@ -321,7 +321,6 @@ struct trk_source *trk_device_open(const struct trk_driver *const *drivers, int 
     device->drivers = drivers;
     device->count = count;
     device->status.is_device = true;
-    device->status.speed = 1;
     device->options = (struct trk_source_options){.screen = options->screen};
     if (path && !(device->path = strdup(path))) goto no_memory;
     if (options->calibration && !(device->calibration = strdup(options->calibration))) goto no_memory;

@@ -229,9 +229,9 @@ static bool is_flying(const struct usb *usb)
     return false;
 }
 
-/* Transfers in flight are the kernel's, which may complete one that is being cancelled. All come back while
- * this waits. If a broken bus keeps one, closing the handle takes it from the kernel and from libusb. Either
- * way nothing can come when the transfers are freed. */
+/* The kernel owns transfers in flight, and may complete one that is being cancelled. This waits until all
+ * have come back. If a broken bus keeps one, closing the handle takes it from the kernel and from libusb.
+ * Either way no callback comes once the transfers are freed. */
 static void usb_close(void *state)
 {
     struct usb *usb = state;
