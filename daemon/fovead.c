@@ -1,7 +1,5 @@
 /* fovead: the daemon. It loads, opens what clients connect to, starts the threads, serves, and takes all down
  * again. */
-#include <errno.h>
-#include <libgen.h>
 #include <sched.h>
 #include <signal.h>
 #include <stddef.h>
@@ -13,6 +11,8 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "file.h"
+#include "image.h"
 #include "loop.h"
 #include "report.h"
 #include "trackers.h"
@@ -61,18 +61,6 @@ static bool handle_signals(void)
     return signal_fd >= 0 && !sigaction(SIGINT, &action, NULL) && !sigaction(SIGTERM, &action, NULL);
 }
 
-/* Better now than after a night of rendering. */
-static bool can_save(const char *path)
-{
-    char copy[4096], error[4096 + 64];
-
-    if (!path) return true;
-    snprintf(copy, sizeof(copy), "%s", path);
-    if (!access(dirname(copy), W_OK)) return true;
-    snprintf(error, sizeof(error), "%s: cannot be written: %s", path, strerror(errno));
-    return fail(error);
-}
-
 static bool load(struct daemon *daemon)
 {
     struct dmn_options *options = &daemon->options;
@@ -84,7 +72,8 @@ static bool load(struct daemon *daemon)
     if (!options->render.threads)
         options->render.threads =
             sched_getaffinity(0, sizeof(processors), &processors) ? 1 : CPU_COUNT(&processors);
-    if (!can_save(options->save)) return false;
+    /* Better now than after a night of rendering. */
+    if (options->save && !dmn_file_check(options->save, true, error)) return fail(error);
     common->options = options;
     common->gaze = dmn_gaze_open(options, error);
     if (!common->gaze) return fail(error);
@@ -161,6 +150,7 @@ static void on_tick(void *argument)
     struct daemon *daemon = argument;
     struct dmn_work work;
 
+    dmn_gaze_tell_recording(daemon->common.gaze);
     dmn_painter_work(daemon->common.painter, &work);
     dmn_report_progress(&daemon->bar, &daemon->options, &work);
 }
@@ -244,7 +234,7 @@ static bool finish(struct daemon *daemon, const struct dmn_work *work)
 {
     const char *save = daemon->options.save;
     char error[RND_ERROR_SIZE];
-    bool saved = save && rnd_render_save(daemon->common.render, save, error);
+    bool saved = save && dmn_image_save(daemon->common.render, save, error);
     bool recorded = finish_recording(daemon);
 
     dmn_report_summary(&daemon->common, work, saved);

@@ -10,6 +10,7 @@
 
 #include <cglm/cglm.h>
 
+#include "file.h"
 #include "gaze.h"
 #include "state.h"
 
@@ -47,6 +48,8 @@ struct dmn_gaze {
     float rotation[4];
     struct trk_recorder *recorder;
     char recording[DMN_TEXT_SIZE];
+    bool told_failing;    /* of the recording, by dmn_gaze_tell_recording() */
+    uint64_t told_lost;
     uint64_t count;                    /* samples and decisions for clients so far: */
     struct dmn_gaze_sample kept[KEPT]; /* number n is at n % KEPT */
 };
@@ -137,7 +140,7 @@ fail:
 void dmn_gaze_close(struct dmn_gaze *gaze)
 {
     if (!gaze) return;
-    trk_recorder_close(gaze->recorder, NULL, (char[TRK_ERROR_SIZE]){0});
+    trk_recorder_close(gaze->recorder, NULL);
     trk_attention_destroy(gaze->attention);
     trk_close(gaze->source);
     pthread_mutex_destroy(&gaze->lock);
@@ -328,7 +331,9 @@ void dmn_gaze_state(struct dmn_gaze *gaze, struct dmn_gaze_state *out_state)
         .ended = gaze->ended,
         .source = gaze->status,
         .recorded = recorder.written,
+        .lost = recorder.lost,
     };
+    memcpy(out_state->recording_error, recorder.error, sizeof(out_state->recording_error));
     memcpy(out_state->direction, gaze->aim.gaze, sizeof(out_state->direction));
     memcpy(out_state->recording, gaze->recording, sizeof(out_state->recording));
     pthread_mutex_unlock(&gaze->lock);
@@ -430,7 +435,9 @@ static bool start_recording(struct dmn_gaze *gaze, const char *path, bool replac
                             char out_text[DMN_TEXT_SIZE])
 {
     char error[TRK_ERROR_SIZE];
-    struct trk_recorder *recorder;
+    struct trk_recorder *recorder = NULL;
+    struct dmn_file file;
+    int fd = -1;
 
     if (!gaze->source) {
         snprintf(out_text, DMN_TEXT_SIZE, "there is no gaze to record");
@@ -440,13 +447,19 @@ static bool start_recording(struct dmn_gaze *gaze, const char *path, bool replac
         snprintf(out_text, DMN_TEXT_SIZE, "gaze is being recorded to %.900s", gaze->recording);
         return false;
     }
-    if (!(recorder = trk_recorder_open(path, replace, error))) {
+    if (dmn_file_begin(&file, path, 0600, replace, error)) {
+        trk_recorder_print_head(file.file);
+        fd = dmn_file_keep(&file, error);
+    }
+    if (fd < 0 || !(recorder = trk_recorder_start(fd, path, error))) {
         snprintf(out_text, DMN_TEXT_SIZE, "%s", error);
         return false;
     }
     pthread_mutex_lock(&gaze->lock);
     gaze->recorder = recorder;
     snprintf(gaze->recording, sizeof(gaze->recording), "%s", path);
+    gaze->told_failing = false;
+    gaze->told_lost = 0;
     pthread_mutex_unlock(&gaze->lock);
     snprintf(out_text, DMN_TEXT_SIZE, "recording to %.900s", path);
     return true;
@@ -457,7 +470,7 @@ bool dmn_gaze_record(struct dmn_gaze *gaze, const char *path_or_null, bool repla
 {
     struct trk_recorder_state state;
     struct trk_recorder *recorder;
-    char path[DMN_TEXT_SIZE], error[TRK_ERROR_SIZE];
+    char path[DMN_TEXT_SIZE];
     size_t length;
     bool good;
 
@@ -472,12 +485,32 @@ bool dmn_gaze_record(struct dmn_gaze *gaze, const char *path_or_null, bool repla
         snprintf(out_text, DMN_TEXT_SIZE, "gaze is not being recorded");
         return false;
     }
-    good = trk_recorder_close(recorder, &state, error);
-    length = (size_t)snprintf(out_text, DMN_TEXT_SIZE, "recorded %llu samples to %.800s",
+    good = trk_recorder_close(recorder, &state);
+    length = (size_t)snprintf(out_text, DMN_TEXT_SIZE, "recorded %llu samples to %.300s",
                               (unsigned long long)state.written, path);
-    if (state.dropped || state.refused)
-        length += (size_t)snprintf(out_text + length, DMN_TEXT_SIZE - length, ", %llu dropped, %llu refused",
-                                   (unsigned long long)state.dropped, (unsigned long long)state.refused);
-    if (!good) snprintf(out_text, DMN_TEXT_SIZE, "%s", error);
+    if (state.refused)
+        length += (size_t)snprintf(out_text + length, DMN_TEXT_SIZE - length, ", %llu refused",
+                                   (unsigned long long)state.refused);
+    if (state.lost)
+        snprintf(out_text + length, DMN_TEXT_SIZE - length, ", %llu lost: %s", (unsigned long long)state.lost,
+                 state.error);
     return good;
+}
+
+void dmn_gaze_tell_recording(struct dmn_gaze *gaze)
+{
+    struct trk_recorder_state now = {0};
+    bool tell = false;
+
+    pthread_mutex_lock(&gaze->lock);
+    if (gaze->recorder) {
+        trk_recorder_look(gaze->recorder, &now);
+        tell = now.failing != gaze->told_failing || (now.lost && !gaze->told_lost);
+        gaze->told_failing = now.failing;
+        gaze->told_lost = now.lost;
+    }
+    pthread_mutex_unlock(&gaze->lock);
+    if (tell)
+        fprintf(stderr, "fovead: %s; %llu samples are lost, %s\n", now.error, (unsigned long long)now.lost,
+                now.failing ? "the newest wait until there is room" : "the recording goes on");
 }

@@ -28,7 +28,9 @@ struct dmn_gaze_state {
     bool frozen, ended;
     struct trk_status source;
     char recording[DMN_TEXT_SIZE]; /* the file; "": none */
-    uint64_t recorded;             /* samples handed to it */
+    uint64_t recorded;             /* samples in it */
+    uint64_t lost;                 /* samples that it should hold */
+    char recording_error[TRK_ERROR_SIZE]; /* why it took none, the last time; "": it always has */
 };
 
 /* options->gaze may be NULL: the aim is then forward for ever. NULL and a line in out_error on failure. */
@@ -66,5 +68,8 @@ bool dmn_gaze_recentre(struct dmn_gaze *gaze, const float *target_or_null, char 
  * why not. */
 bool dmn_gaze_record(struct dmn_gaze *gaze, const char *path_or_null, bool replace,
                      char out_text[DMN_TEXT_SIZE]);
+
+/* Say on stderr when a recording fails, and when it goes on; to be called now and then. */
+void dmn_gaze_tell_recording(struct dmn_gaze *gaze);
 
 #endif

@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "image.h"
 #include "saver.h"
 
 struct dmn_saver {
@@ -27,7 +28,7 @@ static void act(const struct dmn_saver *saver, struct dmn_save *save)
 
     switch (save->what) {
     case DMN_SAVE_FILM:
-        save->good = rnd_render_save(saver->render, save->path, error);
+        save->good = dmn_image_save(saver->render, save->path, error);
         snprintf(save->text, sizeof(save->text), save->good ? "wrote %.900s" : "%.900s",
                  save->good ? save->path : error);
         break;

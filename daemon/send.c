@@ -132,6 +132,8 @@ static uint8_t *stats(struct dmn_session *session, size_t *out_count)
     stats.gaze_source = state.source.description;
     stats.recording = state.recording;
     stats.recorded = state.recorded;
+    stats.recording_lost = state.lost;
+    stats.recording_error = state.recording_error;
     stats.generation = work.generation;
     for (int i = 0; i < 3; i++) eye[i] = (float)work.eye[i];
     stats.n_eye = 3;

@@ -6,6 +6,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "file.h"
 #include "state.h"
 
 bool dmn_state_path(char *out_path, size_t size)
@@ -47,11 +48,14 @@ static void make_folders(char *path)
 bool dmn_state_save(const float rotation[4], char out_error[TRK_ERROR_SIZE])
 {
     char path[4096];
+    struct dmn_file file;
 
     if (!dmn_state_path(path, sizeof(path))) {
         snprintf(out_error, TRK_ERROR_SIZE, "neither XDG_STATE_HOME nor HOME names a folder");
         return false;
     }
     make_folders(path);
-    return trk_recentre_save(path, rotation, out_error);
+    if (!dmn_file_begin(&file, path, 0666, true, out_error)) return false;
+    trk_recentre_print(rotation, file.file);
+    return dmn_file_end(&file, out_error);
 }

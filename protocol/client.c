@@ -237,6 +237,7 @@ static bool take(struct pro_client *client, const Fovea__Message *message, char 
         if (!welcomed) break;
         pro_clean(message->stats->gaze_source);
         pro_clean(message->stats->recording);
+        pro_clean(message->stats->recording_error);
         pro_clean(message->stats->scene);
         pro_clean(message->stats->refused);
         return check_eye(client, message->stats->eye, message->stats->n_eye, out_error);

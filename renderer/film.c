@@ -386,14 +386,15 @@ void rnd_render_resolve(struct rnd_render *render, float *out_rgb, float *out_sa
     pthread_mutex_unlock(&render->whole);
 }
 
-bool rnd_render_save(struct rnd_render *render, const char *path, char out_error[RND_ERROR_SIZE])
+bool rnd_render_save(struct rnd_render *render, FILE *file, const char *name,
+                     char out_error[RND_ERROR_SIZE])
 {
     const int width = render->film.width, height = render->film.height;
     const size_t count = (size_t)width * height;
     float *plane = malloc(count * 5 * sizeof *plane), *data = malloc(count * 5 * sizeof *data);
     bool ok = false;
     if (!plane || !data) {
-        snprintf(out_error, RND_ERROR_SIZE, "%.200s: not enough memory", path);
+        snprintf(out_error, RND_ERROR_SIZE, "%.200s: not enough memory", name);
     } else {
         float *samples = plane + 3 * count, *error = samples + count;
         rnd_render_resolve(render, plane, samples, error);
@@ -406,7 +407,7 @@ bool rnd_render_save(struct rnd_render *render, const char *path, char out_error
             data[5 * i + 3] = samples[i];
             data[5 * i + 4] = error[i];
         }
-        ok = rnd_image_write_channels(path, width, height, 5, channel, data, true, out_error);
+        ok = rnd_image_write_channels(file, name, width, height, 5, channel, data, true, out_error);
     }
     free(plane);
     free(data);

@@ -2,12 +2,10 @@
 #include "image.h"
 #include "scene/srgb.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static bool read_pixels(const char *path, struct rnd_pixels *out_pixels, char out_error[RND_ERROR_SIZE])
 {
@@ -58,34 +56,22 @@ float *rnd_image_read_channel(const char *path, const char *channel, int *out_wi
     return values;
 }
 
-bool rnd_image_write_channels(const char *path, int width, int height, int channels,
+bool rnd_image_write_channels(FILE *file, const char *name, int width, int height, int channels,
                               const struct rnd_channel *channel, const float *data, bool equirectangular,
                               char out_error[RND_ERROR_SIZE])
 {
-    const char *dot = strrchr(path, '.'), *slash = strrchr(path, '/');
+    const char *dot = strrchr(name, '.'), *slash = strrchr(name, '/');
+    char text[RND_ERROR_SIZE / 2];
     if (!dot || (slash && dot < slash) || !dot[1]) {
         snprintf(out_error, RND_ERROR_SIZE, "%.200s: expected a file name that ends in .exr, .png or .jpg",
-                 path);
+                 name);
         return false;
     }
-    /* A whole file or none: written beside its place and renamed into it. */
-    char part[4096], text[RND_ERROR_SIZE / 2];
-    if (snprintf(part, sizeof part, "%s.%ld.part%s", path, (long)getpid(), dot) >= (int)sizeof part) {
-        snprintf(out_error, RND_ERROR_SIZE, "%.200s...: the path is too long", path);
-        return false;
-    }
-    if (!rnd_pixels_write(part, dot + 1, width, height, channels, channel, data, equirectangular, text,
-                          sizeof text)) {
-        snprintf(out_error, RND_ERROR_SIZE, "%.200s: cannot be written: %s", path, text);
-        unlink(part);
-        return false;
-    }
-    if (rename(part, path) != 0) {
-        snprintf(out_error, RND_ERROR_SIZE, "%.200s: cannot be written: %s", path, strerror(errno));
-        unlink(part);
-        return false;
-    }
-    return true;
+    if (rnd_pixels_write(file, dot + 1, width, height, channels, channel, data, equirectangular, text,
+                         sizeof text))
+        return true;
+    snprintf(out_error, RND_ERROR_SIZE, "%.200s: cannot be written: %s", name, text);
+    return false;
 }
 
 enum rnd_channel_type rnd_exr_type(const float *values, size_t count)
@@ -102,25 +88,26 @@ enum rnd_channel_type rnd_exr_type(const float *values, size_t count)
     return sum > 0.0 && sum < least_mean * (double)count ? RND_FLOAT : RND_HALF;
 }
 
-bool rnd_image_write(const char *path, int width, int height, const float *rgb, bool equirectangular,
-                     char out_error[RND_ERROR_SIZE])
+bool rnd_image_write(FILE *file, const char *name, int width, int height, const float *rgb,
+                     bool equirectangular, char out_error[RND_ERROR_SIZE])
 {
-    const char *dot = strrchr(path, '.');
+    const char *dot = strrchr(name, '.');
     const bool exr = dot && strcasecmp(dot, ".exr") == 0, hdr = dot && strcasecmp(dot, ".hdr") == 0;
     const size_t count = (size_t)width * height * 3;
     const enum rnd_channel_type type = exr ? rnd_exr_type(rgb, count) : hdr ? RND_FLOAT : RND_BYTE;
     const struct rnd_channel channel[3] = {{"R", type}, {"G", type}, {"B", type}};
     if (exr || hdr)
-        return rnd_image_write_channels(path, width, height, 3, channel, rgb, equirectangular, out_error);
+        return rnd_image_write_channels(file, name, width, height, 3, channel, rgb, equirectangular,
+                                        out_error);
 
     float *stored = malloc(count * sizeof *stored);
     if (!stored) {
-        snprintf(out_error, RND_ERROR_SIZE, "%.200s: not enough memory", path);
+        snprintf(out_error, RND_ERROR_SIZE, "%.200s: not enough memory", name);
         return false;
     }
     for (size_t i = 0; i < count; i++) stored[i] = rnd_srgb_encode(rgb[i]);
     const bool ok =
-        rnd_image_write_channels(path, width, height, 3, channel, stored, equirectangular, out_error);
+        rnd_image_write_channels(file, name, width, height, 3, channel, stored, equirectangular, out_error);
     free(stored);
     return ok;
 }

@@ -6,7 +6,7 @@
 #include "scene/image_io.h"
 
 /* As rnd_image_write(), for interleaved floats of named channels. */
-bool rnd_image_write_channels(const char *path, int width, int height, int channels,
+bool rnd_image_write_channels(FILE *file, const char *name, int width, int height, int channels,
                               const struct rnd_channel *channel, const float *data, bool equirectangular,
                               char out_error[RND_ERROR_SIZE]);
 

@@ -22,6 +22,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 enum {
     RND_ERROR_SIZE = 512,
@@ -238,8 +239,8 @@ bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *
 void rnd_render_resolve(struct rnd_render *render, float *out_rgb, float *out_samples, float *out_error);
 
 /* Write the film as EXR: R, G, B, "samples", "error" (half floats where these hold the values), marked as an
- * equirectangular environment for 360 viewers. */
-bool rnd_render_save(struct rnd_render *render, const char *path, char out_error[RND_ERROR_SIZE]);
+ * equirectangular environment for 360 viewers. file and name as of rnd_image_write(); name ends in .exr. */
+bool rnd_render_save(struct rnd_render *render, FILE *file, const char *name, char out_error[RND_ERROR_SIZE]);
 
 /* --- images
  * -------------------------------------------------------------------------------------------------- */
@@ -255,10 +256,12 @@ float *rnd_image_read_channel(const char *path, const char *channel, int *out_wi
                               char out_error[RND_ERROR_SIZE]);
 
 /* Write RGB floats, linear: .exr as half floats where these hold them, else as floats; .png, .jpg and what
- * else OpenImageIO writes as 8-bit sRGB, clamped. equirectangular: mark the file as a 360-degree panorama.
- * The file appears whole or not at all. */
-bool rnd_image_write(const char *path, int width, int height, const float *rgb, bool equirectangular,
-                     char out_error[RND_ERROR_SIZE]);
+ * else OpenImageIO writes as 8-bit sRGB, clamped. The end of name tells the format. file is a regular one, open
+ * for writing and empty. equirectangular: mark it as a 360-degree panorama. False with a line in out_error if
+ * there is no such picture; that the disk was full is told by ferror(file) alone, to be asked by whoever
+ * closes it. */
+bool rnd_image_write(FILE *file, const char *name, int width, int height, const float *rgb,
+                     bool equirectangular, char out_error[RND_ERROR_SIZE]);
 
 /* A rectilinear view of an equirectangular image: out is out_width x out_height x RGB; fov_x in rad, (0, pi);
  * orientation view to world. Trilinear over a mipmap of the image, so that poles and wide views do not alias

@@ -1,49 +1,21 @@
-/* The file that keeps the rotation of recentring: two lines of text, replaced as a whole. */
+/* The file that keeps the rotation of recentring: two lines of text. */
 #include "tracker.h"
 
 #include "error.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <libgen.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #define MAGIC "fovead-recentre 1"
 
-/* The new name is on the disk when its folder is. */
-static bool sync_folder(const char *path)
+void trk_recentre_print(const float rotation[4], FILE *file)
 {
-    char *copy = strdup(path);
-    int fd = copy ? open(dirname(copy), O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
-    bool ok = fd >= 0 && fsync(fd) == 0;
-    if (fd >= 0) close(fd);
-    free(copy);
-    return ok;
-}
-
-bool trk_recentre_save(const char *path, const float rotation[4], char out_error[TRK_ERROR_SIZE])
-{
-    char *part = NULL;
-    if (asprintf(&part, "%s.%ld.part", path, (long)getpid()) < 0)
-        return trk_fail(out_error, "%s: no memory", path);
-    int fd = open(part, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
-    bool ok = fd >= 0;
-    if (ok) {
-        ok = dprintf(fd, MAGIC "\n%.9g %.9g %.9g %.9g\n", (double)rotation[0], (double)rotation[1],
-                     (double)rotation[2], (double)rotation[3]) > 0 &&
-             fsync(fd) == 0;
-        ok = close(fd) == 0 && ok && rename(part, path) == 0 && sync_folder(path);
-    }
-    if (!ok) {
-        trk_fail(out_error, "%s: cannot write: %s", path, strerror(errno));
-        if (fd >= 0) unlink(part);
-    }
-    free(part);
-    return ok;
+    fprintf(file, MAGIC "\n%.9g %.9g %.9g %.9g\n", (double)rotation[0], (double)rotation[1],
+            (double)rotation[2], (double)rotation[3]);
 }
 
 bool trk_recentre_load(const char *path, float out_rotation[4], char out_error[TRK_ERROR_SIZE])

@@ -1,7 +1,8 @@
 /* The recorder: samples go into a queue, and a thread of its own writes them to the disk.
  *
  * Rows are appended whole, some at a time, so that a crash of the program leaves whole rows; only a crash of
- * the machine can tear the last one, which the reader drops. Who appends never waits for a write.
+ * the machine can tear the last one, which the reader drops. Who appends never waits for a write. What the
+ * disk does not take stays in the queue and is tried again.
  */
 #include "tracker.h"
 
@@ -10,13 +11,11 @@
 #include "source/source.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -29,13 +28,10 @@ struct trk_recorder {
     /* The writer's alone, until it has ended. */
     int fd;
     char *path;
-    off_t size;       /* of whole rows that are in the file */
-    bool unsynced;    /* some of them may not be on the disk */
-    uint64_t sync_ns; /* when they last were */
-    bool backlog;     /* a full batch was left in the queue */
-    struct trk_sample batch[BATCH];
+    off_t size;        /* of whole rows that are in the file */
+    uint64_t unsynced; /* rows that may not be on the disk */
+    uint64_t sync_ns;  /* when all of them last were */
     char text[BATCH * TRK_OWN_SIZE];
-    char error[TRK_ERROR_SIZE];
 
     pthread_t thread;
     pthread_cond_t changed; /* on CLOCK_MONOTONIC */
@@ -50,72 +46,102 @@ struct trk_recorder {
 
 /* --- the writer's thread -------------------------------------------------------------------------------- */
 
-static void fail(struct trk_recorder *r, const char *what)
+/* With the lock held. */
+static void fail(struct trk_recorder *r, const char *what, int error)
 {
-    trk_fail(r->error, "%s: cannot %s: %s", r->path, what, strerror(errno));
-    pthread_mutex_lock(&r->lock);
-    r->state.failed = true;
-    pthread_mutex_unlock(&r->lock);
+    trk_fail(r->state.error, "%s: cannot %s: %s", r->path, what, strerror(error));
+    r->state.failing = true;
 }
 
-/* All of it or nothing: half a row on a full disk is taken back. */
+/* All of it or nothing: half a row on a full disk is taken back, and would be written over. */
 static bool write_text(struct trk_recorder *r, size_t length)
 {
     size_t done = 0;
     while (done < length) {
-        ssize_t n = write(r->fd, r->text + done, length - done);
+        ssize_t n = pwrite(r->fd, r->text + done, length - done, r->size + (off_t)done);
         if (n < 0 && errno == EINTR) continue;
         if (n <= 0) {
-            fail(r, "write");
-            if (ftruncate(r->fd, r->size) != 0) return false; /* the reader drops what is torn */
+            int error = n < 0 ? errno : ENOSPC;
+            if (done > 0) (void)!ftruncate(r->fd, r->size);
+            errno = error;
             return false;
         }
         done += (size_t)n;
     }
     r->size += (off_t)length;
-    r->unsynced = true;
     return true;
 }
 
+/* Rows that did not reach the disk may be gone, whatever the file seems to hold. */
 static void sync_to_disk(struct trk_recorder *r)
 {
-    if (r->unsynced && fdatasync(r->fd) != 0) fail(r, "write to the disk");
-    r->unsynced = false;
+    if (r->unsynced > 0 && fdatasync(r->fd) != 0) {
+        int error = errno;
+        pthread_mutex_lock(&r->lock);
+        fail(r, "write to the disk", error);
+        r->state.written -= r->unsynced;
+        r->state.lost += r->unsynced;
+        pthread_mutex_unlock(&r->lock);
+    }
+    r->unsynced = 0;
     r->sync_ns = trk_now_ns();
 }
 
-/* Wait until there is something worth writing, and take it off the queue. False when there never will be. */
-static bool take_batch(struct trk_recorder *r, size_t *out_count)
+/* Wait until there is something worth writing, and make text of it, which leaves it in the queue. False when
+ * there never will be. */
+static bool take_batch(struct trk_recorder *r, bool again, size_t *out_count, size_t *out_length)
 {
     uint64_t wake_ns = trk_now_ns() + write_period_ns;
     struct timespec wake = {.tv_sec = (time_t)(wake_ns / 1000000000),
                             .tv_nsec = (long)(wake_ns % 1000000000)};
+    size_t length = 0;
     pthread_mutex_lock(&r->lock);
-    while (!r->closing && !r->backlog && r->count < QUEUE / 2)
+    while (!r->closing && !again && (r->state.failing || r->count < QUEUE / 2))
         if (pthread_cond_timedwait(&r->changed, &r->lock, &wake) == ETIMEDOUT) break;
-    size_t n = r->count < BATCH ? r->count : BATCH;
-    for (size_t i = 0; i < n; i++) r->batch[i] = r->queue[(r->first + i) % QUEUE];
-    r->first = (r->first + n) % QUEUE;
-    r->count -= n;
-    r->backlog = r->count >= BATCH;
-    if (r->state.failed) r->state.dropped += n;
+    size_t n = r->count < BATCH ? r->count : BATCH, first = r->first;
     bool more = n > 0 || !r->closing;
-    *out_count = r->state.failed ? 0 : n;
     pthread_mutex_unlock(&r->lock);
+    /* Only this thread takes anything off the queue. */
+    for (size_t i = 0; i < n; i++)
+        length += trk_own_row(&r->queue[(first + i) % QUEUE], true, r->text + length);
+    *out_count = n;
+    *out_length = length;
     return more;
+}
+
+/* What has been written leaves the queue. At the end so does what has not. True if there is another batch. */
+static bool settle_batch(struct trk_recorder *r, size_t count, int error)
+{
+    pthread_mutex_lock(&r->lock);
+    if (error) {
+        fail(r, "write", error);
+        if (r->closing) {
+            r->state.lost += r->count;
+            r->count = 0;
+        }
+    } else {
+        r->first = (r->first + count) % QUEUE;
+        r->count -= count;
+        r->state.written += count;
+        r->state.failing = false;
+    }
+    bool again = !error && r->count >= BATCH;
+    pthread_mutex_unlock(&r->lock);
+    return again;
 }
 
 static void *write_all(void *argument)
 {
     struct trk_recorder *r = argument;
-    size_t count;
-    while (take_batch(r, &count)) {
-        size_t length = 0;
-        for (size_t i = 0; i < count; i++) length += trk_own_row(&r->batch[i], true, r->text + length);
-        bool ok = write_text(r, length);
-        pthread_mutex_lock(&r->lock);
-        *(ok ? &r->state.written : &r->state.dropped) += count;
-        pthread_mutex_unlock(&r->lock);
+    size_t count, length;
+    bool again = false; /* a full batch was left in the queue */
+    while (take_batch(r, again, &count, &length)) {
+        again = false;
+        if (count > 0) {
+            bool ok = write_text(r, length);
+            again = settle_batch(r, count, ok ? 0 : errno);
+            if (ok) r->unsynced += count;
+        }
         if (trk_now_ns() - r->sync_ns >= sync_period_ns) sync_to_disk(r);
     }
     sync_to_disk(r);
@@ -123,27 +149,6 @@ static void *write_all(void *argument)
 }
 
 /* --- the caller's side ---------------------------------------------------------------------------------- */
-
-static int open_file(const char *path, bool replace, char out_error[TRK_ERROR_SIZE])
-{
-    struct stat status;
-    int flags = O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NONBLOCK | (replace ? 0 : O_EXCL);
-    int fd = open(path, flags, 0666);
-    if (fd < 0 && errno == EEXIST)
-        trk_fail(out_error, "%s: exists, expected a new file to record to", path);
-    else if (fd < 0)
-        trk_fail(out_error, "%s: cannot record: %s", path, strerror(errno));
-    else if (fstat(fd, &status) != 0 || !S_ISREG(status.st_mode))
-        trk_fail(out_error, "%s: not a regular file, expected a place for a gaze log", path);
-    else if (flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) /* not every file system has locks */
-        trk_fail(out_error, "%s: is being recorded already, expected another file", path);
-    else if (ftruncate(fd, 0) != 0)
-        trk_fail(out_error, "%s: cannot record: %s", path, strerror(errno));
-    else
-        return fd;
-    if (fd >= 0) close(fd);
-    return -1;
-}
 
 /* Signals are for the program's other threads. */
 static bool start(struct trk_recorder *r)
@@ -156,37 +161,47 @@ static bool start(struct trk_recorder *r)
     return ok;
 }
 
-struct trk_recorder *trk_recorder_open(const char *path, bool replace, char out_error[TRK_ERROR_SIZE])
+void trk_recorder_print_head(FILE *file)
+{
+    char text[TRK_OWN_SIZE];
+    fwrite(text, 1, trk_own_header(true, text), file);
+}
+
+static void destroy(struct trk_recorder *r)
+{
+    pthread_cond_destroy(&r->changed);
+    pthread_mutex_destroy(&r->lock);
+    close(r->fd);
+    free(r->path);
+    free(r);
+}
+
+struct trk_recorder *trk_recorder_start(int fd, const char *path, char out_error[TRK_ERROR_SIZE])
 {
     struct trk_recorder *r = calloc(1, sizeof *r);
     pthread_condattr_t monotonic;
+    struct stat status;
     if (!r || !(r->path = strdup(path))) {
         trk_fail(out_error, "%s: no memory to record", path);
-        goto no_memory;
+        free(r);
+        close(fd);
+        return NULL;
     }
-    r->fd = open_file(path, replace, out_error);
-    if (r->fd < 0) goto no_file;
+    r->fd = fd;
     pthread_mutex_init(&r->lock, NULL);
     pthread_condattr_init(&monotonic);
     pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
     pthread_cond_init(&r->changed, &monotonic);
     pthread_condattr_destroy(&monotonic);
     r->sync_ns = trk_now_ns();
-    if (!write_text(r, trk_own_header(true, r->text))) {
-        memcpy(out_error, r->error, sizeof r->error);
-        goto not_started;
+    if (fstat(fd, &status) != 0) {
+        trk_fail(out_error, "%s: cannot record: %s", path, strerror(errno));
+    } else {
+        r->size = status.st_size;
+        if (start(r)) return r;
+        trk_fail(out_error, "%s: cannot record: no thread", path);
     }
-    if (start(r)) return r;
-    trk_fail(out_error, "%s: cannot record: no thread", path);
-not_started:
-    pthread_cond_destroy(&r->changed);
-    pthread_mutex_destroy(&r->lock);
-    unlink(path);
-    close(r->fd);
-no_file:
-    free(r->path);
-no_memory:
-    free(r);
+    destroy(r);
     return NULL;
 }
 
@@ -203,8 +218,9 @@ void trk_recorder_append(struct trk_recorder *r, const struct trk_sample *sample
     pthread_mutex_lock(&r->lock);
     if (!fits(r, sample)) {
         r->state.refused++;
-    } else if (r->count == QUEUE || r->state.failed) {
-        r->state.dropped++;
+    } else if (r->count == QUEUE) {
+        r->state.lost++;
+        if (!r->state.error[0]) trk_fail(r->state.error, "%s: the disk is too slow", r->path);
     } else {
         r->queue[(r->first + r->count++) % QUEUE] = *sample;
         r->newest = *sample;
@@ -221,8 +237,7 @@ void trk_recorder_look(struct trk_recorder *r, struct trk_recorder_state *out_st
     pthread_mutex_unlock(&r->lock);
 }
 
-bool trk_recorder_close(struct trk_recorder *r, struct trk_recorder_state *out_state,
-                        char out_error[TRK_ERROR_SIZE])
+bool trk_recorder_close(struct trk_recorder *r, struct trk_recorder_state *out_state)
 {
     if (!r) return true;
     pthread_mutex_lock(&r->lock);
@@ -230,13 +245,8 @@ bool trk_recorder_close(struct trk_recorder *r, struct trk_recorder_state *out_s
     pthread_cond_signal(&r->changed);
     pthread_mutex_unlock(&r->lock);
     pthread_join(r->thread, NULL);
-    if (close(r->fd) != 0 && !r->state.failed) fail(r, "close");
-    bool ok = !r->state.failed;
-    if (!ok) memcpy(out_error, r->error, sizeof r->error);
+    bool ok = r->state.lost == 0;
     if (out_state) *out_state = r->state;
-    pthread_cond_destroy(&r->changed);
-    pthread_mutex_destroy(&r->lock);
-    free(r->path);
-    free(r);
+    destroy(r);
     return ok;
 }

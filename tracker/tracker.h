@@ -20,6 +20,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 enum { TRK_ERROR_SIZE = 512 };
 
@@ -113,10 +114,14 @@ bool trk_log_read(const char *path, struct trk_log *out_log, char out_error[TRK_
 bool trk_log_read_with(const char *path, const struct trk_log_options *options, struct trk_log *out_log,
                        char out_error[TRK_ERROR_SIZE]);
 
-/* Write a log; it appears whole or not at all. A path that ends with .tsv.gz is written as BIDS eye tracking,
- * with its sidecar .json beside it (log/bids_write.c); any other in the project's own format (log/own.h). A
- * file that is there is refused, unless replace is set, and one that the log was read from always. */
-bool trk_log_write(const char *path, const struct trk_log *log, bool replace, char out_error[TRK_ERROR_SIZE]);
+/* Write a log in the project's own format (log/own.h), from the beginning of a file. What could not be written
+ * is told by ferror(file) alone. */
+void trk_log_print(const struct trk_log *log, FILE *file);
+
+/* The same as BIDS eye tracking (log/bids_write.c): a table, in gzip, and the sidecar that belongs to it.
+ * False with a line in out_error, which names no file. */
+bool trk_log_print_bids(const struct trk_log *log, FILE *table, FILE *sidecar,
+                        char out_error[TRK_ERROR_SIZE]);
 
 /* Was the log read from that file, by whatever name? */
 bool trk_log_is_from(const struct trk_log *log, const char *path);
@@ -356,8 +361,8 @@ void trk_recentre_get(const struct trk_attention *attention, float out_rotation[
 /* Use this rotation; false, with no effect, if it is no unit quaternion of at most 20 degrees. */
 bool trk_recentre_set(struct trk_attention *attention, const float rotation[4]);
 
-/* Keep the rotation in a file, which holds the old one or the new one, never half of it. */
-bool trk_recentre_save(const char *path, const float rotation[4], char out_error[TRK_ERROR_SIZE]);
+/* The rotation as it is kept in a file. What could not be written is told by ferror(file) alone. */
+void trk_recentre_print(const float rotation[4], FILE *file);
 bool trk_recentre_load(const char *path, float out_rotation[4], char out_error[TRK_ERROR_SIZE]);
 
 /* --- recording -------------------------------------------------------------------------------------------
@@ -366,17 +371,23 @@ bool trk_recentre_load(const char *path, float out_rotation[4], char out_error[T
 struct trk_recorder;
 
 struct trk_recorder_state {
-    uint64_t written; /* samples handed to the file */
-    uint64_t dropped; /* samples that came while the queue was full or the disk had failed */
+    uint64_t written; /* samples in the file */
+    uint64_t lost;    /* samples that the disk did not take, or that came while the queue was full */
     uint64_t refused; /* samples that no log can hold: time or sequence going back, directions of no length */
-    bool failed;      /* the disk refused; the line is trk_recorder_close()'s */
+    bool failing;     /* the disk takes nothing now; the recorder goes on trying */
+    char error[TRK_ERROR_SIZE]; /* why it did not, the last time; "": it always has */
 };
 
-/* Record samples in the project's own log format, every field that is valid and both clocks. Every row is in
- * the file within a tenth of a second and on the disk within a second or so; after a crash trk_log_read()
- * reads what there is. An existing file is refused, unless replace is set, and one that is being recorded
- * always. NULL and a line in out_error on failure. */
-struct trk_recorder *trk_recorder_open(const char *path, bool replace, char out_error[TRK_ERROR_SIZE]);
+/* What a file must hold before it is recorded to. */
+void trk_recorder_print_head(FILE *file);
+
+/* Record samples in the project's own log format, every field that is valid and both clocks, at the end of a
+ * regular file that is open for writing: fd, which is the recorder's from now on, also on failure; path is
+ * for messages. Every row is in the file within a tenth of a second and on the disk within a second or so;
+ * after a crash trk_log_read() reads what there is. A disk that takes no more is tried again: what waits
+ * meanwhile waits in a queue of 4096 samples, and what does not fit into that is lost. NULL and a line in
+ * out_error on failure. */
+struct trk_recorder *trk_recorder_start(int fd, const char *path, char out_error[TRK_ERROR_SIZE]);
 
 /* Hand over a sample. Never waits for the disk: a thread of the recorder's own writes. Any thread may call.
  */
@@ -384,9 +395,8 @@ void trk_recorder_append(struct trk_recorder *recorder, const struct trk_sample 
 
 void trk_recorder_look(struct trk_recorder *recorder, struct trk_recorder_state *out_state);
 
-/* Write what is left, to the disk, and free. False, with a line in out_error, if anything could not be
- * written. Accepts NULL. out_state may be NULL. */
-bool trk_recorder_close(struct trk_recorder *recorder, struct trk_recorder_state *out_state,
-                        char out_error[TRK_ERROR_SIZE]);
+/* Write what is left, to the disk, and free. False if samples were lost: out_state tells how many, and why.
+ * Accepts NULL, which leaves out_state alone. */
+bool trk_recorder_close(struct trk_recorder *recorder, struct trk_recorder_state *out_state);
 
 #endif

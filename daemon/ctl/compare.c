@@ -6,6 +6,7 @@
 #include <jansson.h>
 
 #include "ctl.h"
+#include "image.h"
 
 struct comparison {
     const struct ctl *ctl;
@@ -62,7 +63,7 @@ static bool write_map(const struct comparison *c)
 
     if (!rgb) return ctl_fail("out of memory");
     for (size_t i = 0; i < pixels; i++) ctl_colour(CTL_MAGMA, c->errors[i], &rgb[3 * i]);
-    good = rnd_image_write(c->ctl->map, c->width, c->height, rgb, false, error) || ctl_fail("%s", error);
+    good = dmn_image_write(c->ctl->map, c->width, c->height, rgb, false, error) || ctl_fail("%s", error);
     free(rgb);
     return good;
 }

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "ctl.h"
+#include "file.h"
 #include "tracker.h"
 
 struct range {
@@ -250,10 +251,61 @@ bool ctl_ends_with(const char *text, const char *end)
     return length > tail && strcmp(text + length - tail, end) == 0;
 }
 
+/* A place for a log that was read from somewhere else. */
+static bool begin(struct dmn_file *file, const char *path, const struct trk_log *log, bool replace)
+{
+    char error[DMN_FILE_ERROR_SIZE];
+
+    if (trk_log_is_from(log, path))
+        return ctl_fail("%s: is the log itself, or a file that it was read with; expected another name",
+                        path);
+    return dmn_file_begin(file, path, 0666, replace, error) || ctl_fail("%s", error);
+}
+
+static bool end(struct dmn_file *file)
+{
+    char error[DMN_FILE_ERROR_SIZE];
+
+    return dmn_file_end(file, error) || ctl_fail("%s", error);
+}
+
+/* BIDS: the table and, under the same name, its sidecar. */
+static bool write_bids(const char *path, const struct trk_log *log, bool replace)
+{
+    char sidecar_path[CTL_PATH_SIZE], error[TRK_ERROR_SIZE];
+    struct dmn_file table, sidecar;
+    size_t stem = strlen(path) - strlen(".tsv.gz");
+    bool good;
+
+    if (snprintf(sidecar_path, sizeof(sidecar_path), "%.*s.json", (int)stem, path) >=
+        (int)sizeof(sidecar_path))
+        return ctl_fail("%.40s...: the name is too long", path);
+    if (!begin(&table, path, log, replace)) return false;
+    if (!begin(&sidecar, sidecar_path, log, replace)) {
+        dmn_file_drop(&table);
+        return false;
+    }
+    good = trk_log_print_bids(log, table.file, sidecar.file, error) || ctl_fail("%s: %s", path, error);
+    good = good && end(&sidecar);
+    if (good) return end(&table);
+    dmn_file_drop(&sidecar);
+    dmn_file_drop(&table);
+    return false;
+}
+
+static bool write_own(const char *path, const struct trk_log *log, bool replace)
+{
+    struct dmn_file file;
+
+    if (!begin(&file, path, log, replace)) return false;
+    trk_log_print(log, file.file);
+    return end(&file);
+}
+
 int ctl_gaze_convert(const struct ctl *ctl)
 {
     const char *out = ctl->operand[1];
-    char error[TRK_ERROR_SIZE];
+    bool replace = ctl->given & CTL_REPLACE;
     struct trk_log log;
     bool good;
 
@@ -262,7 +314,7 @@ int ctl_gaze_convert(const struct ctl *ctl)
                         out),
                2;
     if (!ctl_read_log(ctl, &log)) return 1;
-    good = trk_log_write(out, &log, ctl->given & CTL_REPLACE, error) || ctl_fail("%s", error);
+    good = (ctl_ends_with(out, ".gaze") ? write_own : write_bids)(out, &log, replace);
     if (good) printf("%s: %zu samples of %s\n", out, log.count, log.format);
     if (good && *log.assumed) printf("assumed: %s\n", log.assumed);
     trk_log_finish(&log);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "ctl.h"
+#include "image.h"
 #include "tracker.h"
 
 enum { MOST_WIDTH = 2048 };
@@ -123,7 +124,7 @@ static bool draw(const struct ctl *ctl, float *counts, int width, int height, co
     }
     for (size_t i = 0; i < pixels; i++) ctl_colour(CTL_INFERNO, log1pf(counts[i]) * scale, &map.rgb[3 * i]);
     if (log) draw_path(&map, log);
-    good = rnd_image_write(ctl->operand[1], map.width, map.height, map.rgb, true, error) ||
+    good = dmn_image_write(ctl->operand[1], map.width, map.height, map.rgb, true, error) ||
            ctl_fail("%s", error);
     if (good)
         printf("%s: %dx%d, from no path a pixel (black) to %.4g (bright), log scale\n", ctl->operand[1],

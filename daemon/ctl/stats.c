@@ -22,6 +22,8 @@ static void print_table(const Fovea__Welcome *welcome, const Fovea__Stats *s)
         printf("          %s\n", line);
     }
     if (*s->recording) printf("recording %s, %llu samples\n", s->recording, (unsigned long long)s->recorded);
+    if (*s->recording_error)
+        printf("          %llu lost: %s\n", (unsigned long long)s->recording_lost, s->recording_error);
     printf("film      %ux%u, mode %s\n", welcome->width, welcome->height, welcome->distribution);
     printf("paths     %llu, %.3f M/s, %llu rays, %llu not finite\n", (unsigned long long)s->samples,
            s->samples_per_second * 1e-6, (unsigned long long)s->rays, (unsigned long long)s->not_finite);
@@ -58,12 +60,13 @@ json_t *ctl_eye_json(const float *eye, size_t count)
 static void print_json(const Fovea__Welcome *welcome, const Fovea__Stats *s)
 {
     json_t *object = json_pack(
-        "{s:s, s:s, s:s, s:o, s:I, s:s, s:o, s:s, s:I, s:s, s:[I,I], s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:I, "
+        "{s:s, s:s, s:s, s:o, s:I, s:s, s:o, s:s, s:I, s:I, s:s, s:s, s:[I,I], s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:I, "
         "s:I, s:I, s:b, s:b, s:f, s:f, s:I}",
         "daemon", welcome->server, "scene", s->scene, "refused", s->refused, "eye",
         ctl_eye_json(s->eye, s->n_eye), "generation", (json_int_t)s->generation, "gaze", s->gaze_source,
         "tracker", ctl_tracker_json(s->tracker), "recording", s->recording, "recorded",
-        (json_int_t)s->recorded, "mode", welcome->distribution, "size", (json_int_t)welcome->width,
+        (json_int_t)s->recorded, "recording_lost", (json_int_t)s->recording_lost, "recording_error",
+        s->recording_error, "mode", welcome->distribution, "size", (json_int_t)welcome->width,
         (json_int_t)welcome->height, "paths", (json_int_t)s->samples, "paths_per_second",
         s->samples_per_second, "rays", (json_int_t)s->rays, "not_finite", (json_int_t)s->not_finite, "tiles",
         (json_int_t)s->tiles, "tiles_visited", (json_int_t)s->tiles_visited, "tiles_converged",

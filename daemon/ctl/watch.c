@@ -36,7 +36,8 @@ struct watch {
     Fovea__Stats stats; /* the newest; its numbers alone */
     Fovea__Tracker tracker;
     bool has_stats, has_tracker, has_gaze;
-    char gaze_source[TRK_ERROR_SIZE], recording[1024], answer[1024]; /* to the last key */
+    char gaze_source[TRK_ERROR_SIZE], answer[1024]; /* to the last key */
+    char recording[1024], recording_error[TRK_ERROR_SIZE];
     char scene[1024], refused[RND_ERROR_SIZE];
     float direction[3], spread, eye[3];
     char state[32], source[32], why[80];
@@ -94,6 +95,7 @@ static void take_stats(struct watch *watch, const Fovea__Stats *stats)
     if (stats->tracker) watch->tracker = *stats->tracker;
     snprintf(watch->gaze_source, sizeof(watch->gaze_source), "%s", stats->gaze_source);
     snprintf(watch->recording, sizeof(watch->recording), "%s", stats->recording);
+    snprintf(watch->recording_error, sizeof(watch->recording_error), "%s", stats->recording_error);
     snprintf(watch->scene, sizeof(watch->scene), "%s", stats->scene);
     snprintf(watch->refused, sizeof(watch->refused), "%s", stats->refused);
     if (stats->n_eye) memcpy(watch->eye, stats->eye, sizeof(watch->eye));
@@ -187,6 +189,8 @@ static void draw_gaze(struct watch *watch)
     }
     if (*watch->recording)
         row(watch, "recording %s, %llu samples", watch->recording, (unsigned long long)s->recorded);
+    if (*watch->recording_error)
+        row(watch, "          %llu lost: %s", (unsigned long long)s->recording_lost, watch->recording_error);
 }
 
 static void draw_table(struct watch *watch)
@@ -278,7 +282,7 @@ static void print_json(const struct watch *watch, double seconds)
     pro_clock(watch->client, &round_trip_ns, &offset_ns);
     object = json_pack(
         "{s:f, s:s, s:s, s:o, s:I, s:s, s:s, s:[I,I], s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:b, "
-        "s:b, s:[f,f], s:s, s:s, s:s, s:f, s:o, s:o, s:s, s:I, s:I, s:I, "
+        "s:b, s:[f,f], s:s, s:s, s:s, s:f, s:o, s:o, s:s, s:I, s:I, s:s, s:I, s:I, "
         "s:f, s:f, s:f, s:o}",
         "seconds", seconds, "scene", watch->has_stats ? watch->scene : welcome->scene, "refused",
         watch->refused, "eye", ctl_eye_json(watch->eye, watch->stats.n_eye), "generation",
@@ -292,7 +296,8 @@ static void print_json(const struct watch *watch, double seconds)
         "state", watch->state, "source", watch->source, "why", watch->why, "spread", (double)watch->spread,
         "states", states_json(watch), "tracker",
         ctl_tracker_json(watch->has_tracker ? &watch->tracker : NULL), "recording", watch->recording,
-        "recorded", (json_int_t)s->recorded, "tiles_received", (json_int_t)watch->tiles, "bytes_received",
+        "recorded", (json_int_t)s->recorded, "recording_lost", (json_int_t)s->recording_lost,
+        "recording_error", watch->recording_error, "tiles_received", (json_int_t)watch->tiles, "bytes_received",
         (json_int_t)watch->bytes, "batch_ms", s->batch_ms, "round_trip_ms", (double)round_trip_ns * 1e-6,
         "coverage", pro_picture_coverage(pro_picture(watch->client)), "latency", latency_json(watch));
     if (object) json_dumpf(object, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));

@@ -5,6 +5,7 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -89,6 +90,33 @@ OIIO::TypeDesc type_of(rnd_channel_type type)
     return OIIO::TypeDesc::FLOAT;
 }
 
+// A file for OpenImageIO's encoders. It takes every byte, also when the disk is full: of encoders that meet a
+// failed write, one ends the program (JPEG) and others go on and report success (EXR, PNG; 2.4.7). stdio
+// remembers.
+class Sink : public OIIO::Filesystem::IOProxy
+{
+  public:
+    explicit Sink(FILE *to) : IOProxy("", Write), file(to) {}
+    const char *proxytype() const override { return "sink"; }
+    size_t write(const void *bytes, size_t count) override
+    {
+        fwrite(bytes, 1, count, file);
+        m_pos += count;
+        end = std::max(end, m_pos);
+        return count;
+    }
+    bool seek(int64_t offset) override
+    {
+        m_pos = offset;
+        return fseeko(file, offset, SEEK_SET) == 0;
+    }
+    size_t size() const override { return end; }
+
+  private:
+    FILE *file;
+    int64_t end = 0;
+};
+
 } // namespace
 
 extern "C" bool rnd_pixels_read(const char *path, const void *memory, size_t count, rnd_pixels_use use,
@@ -120,13 +148,17 @@ extern "C" void rnd_pixels_finish(rnd_pixels *pixels)
     *pixels = rnd_pixels();
 }
 
-extern "C" bool rnd_pixels_write(const char *path, const char *format, int width, int height, int channels,
+extern "C" bool rnd_pixels_write(FILE *file, const char *format, int width, int height, int channels,
                                  const rnd_channel *channel, const float *data, bool equirectangular,
                                  char *out_error, size_t error_size)
 {
     try {
+        Sink sink(file);
+        OIIO::Filesystem::IOProxy *proxy = &sink;
         auto out = OIIO::ImageOutput::create(format);
         if (!out) return fail(out_error, error_size, OIIO::geterror());
+        if (!out->supports("ioproxy"))
+            return fail(out_error, error_size, std::string("pictures are not written as .") + format);
         OIIO::ImageSpec spec(width, height, channels, type_of(channel[0].type));
         spec.channelnames.clear();
         for (int c = 0; c < channels; c++) {
@@ -150,7 +182,8 @@ extern "C" bool rnd_pixels_write(const char *path, const char *format, int width
             spec.attribute("GPano:CroppedAreaLeftPixels", 0);
             spec.attribute("GPano:CroppedAreaTopPixels", 0);
         }
-        if (!out->open(path, spec)) return fail(out_error, error_size, out->geterror());
+        spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+        if (!out->open(std::string("x.") + format, spec)) return fail(out_error, error_size, out->geterror());
         const bool ok = out->write_image(OIIO::TypeDesc::FLOAT, data);
         const std::string text = ok ? "" : out->geterror();
         if (!out->close() || !ok) return fail(out_error, error_size, text);

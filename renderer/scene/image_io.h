@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -44,10 +45,11 @@ struct rnd_channel {
     enum rnd_channel_type type;
 };
 
-/* Write interleaved floats; every channel is stored as its type says (bytes: from 0..1). equirectangular sets
- * the marks by which a viewer of the file's format knows a 360-degree panorama. format is a file name
- * extension. */
-bool rnd_pixels_write(const char *path, const char *format, int width, int height, int channels,
+/* Write interleaved floats to a regular file that is open for writing and empty; every channel is stored as
+ * its type says (bytes: from 0..1). equirectangular sets the marks by which a viewer of the file's format
+ * knows a 360-degree panorama. format is a file name extension. A failed write is told by ferror(file) alone:
+ * the libraries behind this would crash, or take it for none. */
+bool rnd_pixels_write(FILE *file, const char *format, int width, int height, int channels,
                       const struct rnd_channel *channel, const float *data, bool equirectangular,
                       char *out_error, size_t error_size);
 

@@ -1,5 +1,6 @@
 /* The small room: its meshes, images and JSON. One buffer serves all rooms; only the JSON differs. */
 #include "room.h"
+#include "image.h"
 #include "scene/image_io.h"
 
 #include <jansson.h>
@@ -165,6 +166,15 @@ static void paint(int image, int x, int y, float out[4])
     out[3] = image == COLOURS && s * s + t * t < 0.25f ? 0 : 1;
 }
 
+/* In a folder of this program's own, which is removed in the end. */
+static bool close_written(FILE *file, const char *directory, const char *name, char *out_error)
+{
+    bool ok = file && !ferror(file);
+    if (file && fclose(file) != 0) ok = false;
+    if (!ok) snprintf(out_error, RND_ERROR_SIZE, "%s: cannot be written", path_of(directory, name));
+    return ok;
+}
+
 static bool write_images(const char *directory, char *out_error)
 {
     static const struct rnd_channel rgba[] = {
@@ -172,26 +182,27 @@ static bool write_images(const char *directory, char *out_error)
     static float pixel[SIDE * SIDE][4], sky[32][64][3];
     for (int k = 0; k < IMAGES; k++) {
         for (int i = 0; i < SIDE * SIDE; i++) paint(k, i % SIDE, i / SIDE, pixel[i]);
-        if (!rnd_pixels_write(path_of(directory, image_name[k]), "png", SIDE, SIDE, 4, rgba, pixel[0], false,
-                              out_error, RND_ERROR_SIZE))
-            return false;
+        FILE *file = fopen(path_of(directory, image_name[k]), "wb");
+        bool ok = file && rnd_pixels_write(file, "png", SIDE, SIDE, 4, rgba, pixel[0], false, out_error,
+                                           RND_ERROR_SIZE);
+        if (!close_written(file, directory, image_name[k], out_error) || !ok) return false;
     }
     for (int y = 0; y < 32; y++)
         for (int x = 0; x < 64; x++)
             for (int i = 0; i < 3; i++)
                 sky[y][x][i] = 1 + 0.2f * sinf((float)x * 2 * (float)M_PI / 64) + 0.1f * (float)i;
-    return rnd_image_write(path_of(directory, "sky.exr"), 64, 32, sky[0][0], true, out_error);
+    return dmn_image_write(path_of(directory, "sky.exr"), 64, 32, sky[0][0], true, out_error);
 }
 
 bool room_prepare(const char *directory, char out_error[RND_ERROR_SIZE])
 {
     build();
     FILE *file = fopen(path_of(directory, "room.bin"), "wb");
-    bool ok = file && fwrite(vertex, sizeof *vertex, vertices, file) == vertices &&
-              fwrite(triangle, sizeof *triangle, triangles, file) == triangles;
-    if (file && fclose(file) != 0) ok = false;
-    if (!ok) snprintf(out_error, RND_ERROR_SIZE, "%s: cannot be written", path_of(directory, "room.bin"));
-    return ok && write_images(directory, out_error);
+    if (file) {
+        fwrite(vertex, sizeof *vertex, vertices, file);
+        fwrite(triangle, sizeof *triangle, triangles, file);
+    }
+    return close_written(file, directory, "room.bin", out_error) && write_images(directory, out_error);
 }
 
 void room_remove(const char *directory)

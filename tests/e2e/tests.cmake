@@ -6,7 +6,7 @@ foreach(program hostile moves)
   target_link_libraries(e2e_${program} PRIVATE protocol m)
 endforeach()
 foreach(program compare golden mean picture)
-  target_link_libraries(e2e_${program} PRIVATE renderer m)
+  target_link_libraries(e2e_${program} PRIVATE daemon renderer m)
 endforeach()
 
 foreach(name attention bad_input compare hostile libraries move record shutdown steer tracker until virtual)

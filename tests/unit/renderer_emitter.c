@@ -48,7 +48,7 @@ static void write_spot(const char *name, int size, int side)
                 const bool in = x >= left && x < left + side && y >= top && y < top + side;
                 rgb[3 * (y * size + x) + c] = in ? 1.0f : 0.0f;
             }
-    if (!rnd_image_write(files_path(name), size, size, rgb, false, error)) fail_msg("%s", error);
+    if (!files_image(files_path(name), size, size, rgb, false, error)) fail_msg("%s", error);
 }
 
 /* Alpha that falls from left to right, with holes in it. */
@@ -58,14 +58,12 @@ static void write_holes(const char *name)
     static const struct rnd_channel rgba[4] = {
         {"R", RND_BYTE}, {"G", RND_BYTE}, {"B", RND_BYTE}, {"A", RND_BYTE}};
     float data[SIDE * SIDE * 4];
-    char error[RND_ERROR_SIZE];
     for (int i = 0; i < SIDE * SIDE; i++) {
         const int x = i % SIDE, y = i / SIDE;
         data[4 * i] = data[4 * i + 1] = data[4 * i + 2] = 1.0f;
         data[4 * i + 3] = x / 3 % 2 == y / 4 % 2 ? 1.0f - 0.8f * (float)x / SIDE : 0.0f;
     }
-    if (!rnd_pixels_write(files_path(name), "png", SIDE, SIDE, 4, rgba, data, false, error, sizeof error))
-        fail_msg("%s", error);
+    files_pixels(files_path(name), "png", SIDE, SIDE, 4, rgba, data);
 }
 
 /* --- the same light in three ways --- */

@@ -114,6 +114,17 @@ static inline const char *files_png(const char *name, int bits, unsigned value, 
     return files_write(name, bytes, files_png_bytes(bytes, bits, value, gamma));
 }
 
+/* A picture: as rnd_image_write(), to a path. */
+static inline bool files_image(const char *path, int width, int height, const float *rgb,
+                               bool equirectangular, char out_error[RND_ERROR_SIZE])
+{
+    FILE *file = fopen(path, "wb");
+    bool good;
+    assert_non_null(file);
+    good = rnd_image_write(file, path, width, height, rgb, equirectangular, out_error);
+    return fclose(file) == 0 && good;
+}
+
 /* A constant environment map of that radiance. */
 static inline const char *files_env(const char *name, float radiance)
 {
@@ -122,7 +133,7 @@ static inline const char *files_env(const char *name, float radiance)
     char error[RND_ERROR_SIZE];
     const char *path = files_path(name);
     for (int i = 0; i < WIDTH * HEIGHT * 3; i++) rgb[i] = radiance;
-    if (!rnd_image_write(path, WIDTH, HEIGHT, rgb, true, error)) fail_msg("%s", error);
+    if (!files_image(path, WIDTH, HEIGHT, rgb, true, error)) fail_msg("%s", error);
     return path;
 }
 

@@ -155,7 +155,7 @@ static void coarsest_level(void **state)
     float sky[W * H * 3];
     char error[RND_ERROR_SIZE];
     for (int i = 0; i < W * H * 3; i++) sky[i] = i < W * H / 2 * 3 ? 1.0f : 0.125f;
-    assert_true(rnd_image_write(files_path("sky.exr"), W, H, sky, true, error));
+    assert_true(files_image(files_path("sky.exr"), W, H, sky, true, error));
     files_text("speck.mtl", "newmtl m\nKd 0 0 0\n");
     const char *path =
         files_text("speck.obj", "mtllib speck.mtl\nusemtl m\nv 0 -9 0\nv 0.1 -9 0\nv 0 -9 0.1\nf 1 2 3\n");
@@ -323,7 +323,10 @@ static void save(void **state)
     const uint64_t paths = look_around(render, 5, 10000);
     rnd_render_resolve(render, film.rgb, film.samples, film.error);
     const char *path = files_path("film.exr");
-    assert_true(rnd_render_save(render, path, error));
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_true(rnd_render_save(render, file, path, error));
+    assert_int_equal(fclose(file), 0);
     assert_true(file_holds(path, "envmap"));
 
     float *rgb = rnd_image_read(path, &width, &height, NULL, error);
@@ -348,10 +351,6 @@ static void save(void **state)
     assert_null(rnd_image_read_channel(path, "depth", &width, &height, error));
     assert_non_null(strstr(error, "film.exr"));
     assert_non_null(strstr(error, "\"depth\""));
-    assert_false(rnd_render_save(render, files_path("no/such/place.exr"), error));
-    assert_non_null(strstr(error, "place.exr"));
-    assert_null(strchr(error, '\n'));
-    assert_int_not_equal(access(files_path("no"), F_OK), 0);
     rnd_render_destroy(render);
 }
 

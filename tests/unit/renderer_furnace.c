@@ -432,12 +432,9 @@ static void broken_environments(void **state)
         box_scene("speck", "newmtl m\nKd 0 0 0\n", (double[]){0, -50, 0}, (double[]){1, -49, 1});
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         float rgb[W * H * 3];
-        char error[RND_ERROR_SIZE];
         for (int k = 0; k < W * H * 3; k++) rgb[k] = 1.0f;
         for (int k = 0; k < 12 * 3; k++) rgb[3 * ((1 + k / 12) * W + 4) + k % 12] = cases[i].value;
-        if (!rnd_pixels_write(files_path("broken.exr"), "exr", W, H, 3, rgb_channels, rgb, true, error,
-                              sizeof error))
-            fail_msg("%s", error);
+        files_pixels(files_path("broken.exr"), "exr", W, H, 3, rgb_channels, rgb);
         struct rnd_scene *scene = files_load(path, files_path("broken.exr"), NULL, (float[]){0, 0, 0});
         print_message("%s", rnd_scene_info(scene)->warnings);
         assert_non_null(strstr(rnd_scene_info(scene)->warnings, "broken.exr: the pixel at "));
@@ -466,7 +463,7 @@ static void turned_environment(void **state)
     for (int i = 0; i < W * H; i++)
         for (int c = 0; c < 3; c++) rgb[3 * i + c] = i % W >= W / 2 - 4 && i % W < W / 2 + 4 ? 5.0f : 0.1f;
     const char *env = files_path("ahead.exr");
-    if (!rnd_image_write(env, W, H, rgb, true, error)) fail_msg("%s", error);
+    if (!files_image(env, W, H, rgb, true, error)) fail_msg("%s", error);
     const char *path = files_gltf("floor.gltf", 100, "{\"mesh\":0}",
                                   "{\"pbrMetallicRoughness\":{\"metallicFactor\":0},\"extensions\":{"
                                   "\"KHR_materials_specular\":{\"specularFactor\":0}}}",

@@ -490,7 +490,7 @@ static void names(void **state)
         char file[64], more[400], uri[200];
         snprintf(file, sizeof file, "%.*s.png", (int)strlen(cases[i].file) - 4, cases[i].file);
         snprintf(uri, sizeof uri, "%.*s.png", (int)strlen(cases[i].uri) - 4, cases[i].uri);
-        if (!rnd_image_write(files_path(file), 2, 2, (float[12]){1, 1, 1, 0, 0, 0, 1, 1, 1, 0, 0, 0}, false,
+        if (!files_image(files_path(file), 2, 2, (float[12]){1, 1, 1, 0, 0, 0, 1, 1, 1, 0, 0, 0}, false,
                              error))
             fail_msg("%s", error);
         snprintf(more, sizeof more, ",\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"%s\"}]", uri);
@@ -592,13 +592,11 @@ static void nearest(void **state)
     static const struct rnd_channel channels[4] = {
         {"R", RND_FLOAT}, {"G", RND_FLOAT}, {"B", RND_FLOAT}, {"A", RND_FLOAT}};
     const struct rnd_aim down = files_aim(0, -1, 0);
-    char error[RND_ERROR_SIZE];
     for (int i = 0; i < 4; i++)
         for (int filter = 9728; filter <= 9729; filter++) {
             const float see = i == 3 ? 1 : 0, white[8] = {see, see, see, 1 - see, 1, 1, 1, 1};
             char more[300];
-            assert_true(rnd_pixels_write(files_path("two.exr"), "exr", 2, 1, 4, channels, white, false, error,
-                                         sizeof error));
+            files_pixels(files_path("two.exr"), "exr", 2, 1, 4, channels, white);
             snprintf(more, sizeof more,
                      ",\"textures\":[{\"source\":0,\"sampler\":0}],\"images\":[{\"uri\":\"two.exr\"}],"
                      "\"samplers\":[{\"magFilter\":%d,\"wrapS\":33071,\"wrapT\":33071}]",
@@ -643,7 +641,7 @@ static void tangents(void **state)
     double expected[3] = {0};
     char error[RND_ERROR_SIZE], nodes[500], material[400];
     for (int i = 0; i < 6 * MANY; i++) many[i] = files_two[i % 6];
-    assert_true(rnd_image_write(files_path("lean.exr"), 1, 1, lean, false, error));
+    assert_true(files_image(files_path("lean.exr"), 1, 1, lean, false, error));
     for (int kind = 0; kind < 2; kind++)
         for (size_t i = 0; i < 2 * sizeof cases / sizeof *cases; i++) {
             const bool instanced = i % 2;

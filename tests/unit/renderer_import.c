@@ -98,7 +98,7 @@ static void parts_absent(void **state)
     assert_refused_with(good, files_path("gone.hdr"), "gone.hdr", "environment");
     assert_refused_with(good, files_path("text.png"), "text.png", "environment");
     float rgb[64 * 32 * 3] = {0};
-    assert_true(rnd_image_write(files_path("black.exr"), 64, 32, rgb, true, error));
+    assert_true(files_image(files_path("black.exr"), 64, 32, rgb, true, error));
     assert_refused_with(good, files_path("black.exr"), "black.exr", "black");
 }
 
@@ -353,7 +353,7 @@ static void write_quarters(const char *name)
         rgb[3 * i + 1] = right;
         rgb[3 * i + 2] = below;
     }
-    if (!rnd_image_write(files_path(name), SIDE, SIDE, rgb, false, error)) fail_msg("%s", error);
+    if (!files_image(files_path(name), SIDE, SIDE, rgb, false, error)) fail_msg("%s", error);
 }
 
 /* From above with -Z up in the view: image row 0 must lie at -Z, column 0 at -X. */

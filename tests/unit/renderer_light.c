@@ -80,7 +80,7 @@ static void environment(void **state)
         mean += value * sin(M_PI * (i / W + 0.5) / H);
     }
     files_text("f.mtl", "newmtl floor\nKd 0.5 0.5 0.5\n");
-    assert_true(rnd_image_write(files_path("env.hdr"), W, H, rgb, true, error));
+    assert_true(files_image(files_path("env.hdr"), W, H, rgb, true, error));
     const struct rnd_scene_options options = {
         .path = files_text("f.obj", floor_obj), .env_path = files_path("env.hdr"), .env_azimuth = 33.75f};
     struct rnd_scene *scene = rnd_scene_load(&options, error);

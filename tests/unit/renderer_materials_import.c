@@ -23,14 +23,12 @@ static const char *write_halves(const char *name, float left, float right)
     static const struct rnd_channel rgba[4] = {
         {"R", RND_BYTE}, {"G", RND_BYTE}, {"B", RND_BYTE}, {"A", RND_BYTE}};
     float data[SIDE * SIDE * 4];
-    char error[RND_ERROR_SIZE];
     const char *path = files_path(name);
     for (int i = 0; i < SIDE * SIDE; i++) {
         data[4 * i] = data[4 * i + 1] = data[4 * i + 2] = 0.5f;
         data[4 * i + 3] = i % SIDE < SIDE / 2 ? left : right;
     }
-    if (!rnd_pixels_write(path, "png", SIDE, SIDE, 4, rgba, data, false, error, sizeof error))
-        fail_msg("%s", error);
+    files_pixels(path, "png", SIDE, SIDE, 4, rgba, data);
     return path;
 }
 

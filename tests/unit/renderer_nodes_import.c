@@ -207,7 +207,7 @@ static void instances_mirrored(void **state)
     const float lean[3] = {0.5f, 0.75f, 0.9330127f}; /* 30 degrees */
     char error[RND_ERROR_SIZE];
     double seen[4];
-    assert_true(rnd_image_write(files_path("lean.exr"), 1, 1, lean, false, error));
+    assert_true(files_image(files_path("lean.exr"), 1, 1, lean, false, error));
     for (int i = 0; i < 4; i++) {
         struct rnd_scene *scene =
             files_load(files_parts("mirrored.gltf", files_primitive, nodes[i], material, more, parts, 3),

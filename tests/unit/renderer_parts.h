@@ -6,6 +6,7 @@
 
 #include "renderer_files.h"
 
+#include "scene/image_io.h"
 #include "scene/scene.h"
 
 /* Prints and holds a measured value to what it must be. */
@@ -13,6 +14,18 @@ static inline void assert_within(const char *what, double value, double expected
 {
     print_message("%-52s %.5f of %.5f: %+.3f %%\n", what, value, expected, 100.0 * (value / expected - 1.0));
     assert_true(fabs(value / expected - 1.0) < relative);
+}
+
+/* A picture of any channels: as rnd_pixels_write(), to a path. */
+static inline void files_pixels(const char *path, const char *format, int width, int height, int channels,
+                                const struct rnd_channel *channel, const float *data)
+{
+    char error[RND_ERROR_SIZE];
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    if (!rnd_pixels_write(file, format, width, height, channels, channel, data, false, error, sizeof error))
+        fail_msg("%s", error);
+    assert_int_equal(fclose(file), 0);
 }
 
 #define NEAR(a, b) assert_float_equal(a, b, 1e-4)

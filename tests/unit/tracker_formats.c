@@ -410,6 +410,14 @@ static void cut_gzip_is_read(void **state)
 /* --- BIDS written ----------------------------------------------------------------------------------------
  */
 
+static bool write_bids(const struct trk_log *log, char error[TRK_ERROR_SIZE])
+{
+    FILE *table = fopen(path, "wb"), *beside = fopen(sidecar, "w");
+    assert_true(table && beside);
+    bool ok = trk_log_print_bids(log, table, beside, error);
+    return fclose(table) == 0 && fclose(beside) == 0 && ok;
+}
+
 static void bids_reads_back(void **state)
 {
     (void)state;
@@ -417,7 +425,7 @@ static void bids_reads_back(void **state)
     struct trk_log log, back;
     float a[3], b[3];
     assert_true(trk_synthesise(11, 5, &log));
-    if (!trk_log_write(path, &log, true, error)) fail_msg("%s", error);
+    if (!write_bids(&log, error)) fail_msg("%s", error);
     if (!trk_log_read(path, &back, error)) fail_msg("%s", error);
     assert_string_equal(back.format, "BIDS eye tracking");
     assert_string_equal(back.assumed, "");
@@ -441,18 +449,21 @@ static void bids_reads_back(void **state)
     trk_log_finish(&log);
 }
 
-static void bids_goes_nowhere_else(void **state)
+static void bids_not_written(void **state)
 {
     (void)state;
-    char error[TRK_ERROR_SIZE] = "", nowhere[128];
+    char error[TRK_ERROR_SIZE] = "";
     struct trk_log log;
     assert_true(trk_synthesise(11, 1, &log));
-    snprintf(nowhere, sizeof nowhere, "%s/absent/x.tsv.gz", dir);
-    assert_false(trk_log_write(nowhere, &log, true, error));
-    assert_non_null(strstr(error, nowhere));
+    FILE *full = fopen("/dev/full", "w"), *file = fopen(sidecar, "w");
+    assert_true(full && file);
+    assert_false(trk_log_print_bids(&log, full, file, error));
+    assert_non_null(strstr(error, "No space left"));
+    fclose(full);
+    fclose(file);
     log.count = 0;
-    assert_false(trk_log_write(path, &log, true, error));
-    assert_int_not_equal(access(path, F_OK), 0);
+    assert_false(write_bids(&log, error));
+    assert_non_null(strstr(error, "no samples"));
     trk_log_finish(&log);
 }
 
@@ -471,7 +482,7 @@ int main(void)
         TEST(damaged_gzip_is_refused),
         TEST(cut_gzip_is_read),
         TEST(bids_reads_back),
-        TEST(bids_goes_nowhere_else),
+        TEST(bids_not_written),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

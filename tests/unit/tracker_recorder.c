@@ -6,6 +6,7 @@
 
 #include "tracker.h"
 
+#include <fcntl.h>
 #include <math.h>
 #include <pthread.h>
 #include <signal.h>
@@ -50,9 +51,13 @@ static void sleep_ms(long ms)
     nanosleep(&(struct timespec){ms / 1000, ms % 1000 * 1000000}, NULL);
 }
 
-static struct trk_recorder *open_new(bool replace)
+static struct trk_recorder *open_new(void)
 {
-    struct trk_recorder *recorder = trk_recorder_open(path, replace, error);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    trk_recorder_print_head(file);
+    assert_int_equal(fclose(file), 0);
+    struct trk_recorder *recorder = trk_recorder_start(open(path, O_WRONLY | O_APPEND), path, error);
     if (!recorder) fail_msg("%s", error);
     return recorder;
 }
@@ -63,10 +68,21 @@ static void await_written(struct trk_recorder *recorder, uint64_t count)
     struct trk_recorder_state now;
     for (;;) {
         trk_recorder_look(recorder, &now);
-        assert_false(now.failed);
+        assert_false(now.failing);
         if (now.written >= count) return;
         sleep_ms(10);
     }
+}
+
+/* The same, of a disk that has failed and has room again. */
+static void await_recovery(struct trk_recorder *recorder, uint64_t count)
+{
+    struct trk_recorder_state now;
+    do {
+        sleep_ms(10);
+        trk_recorder_look(recorder, &now);
+    } while (now.failing || now.written < count);
+    assert_int_equal(now.written, count);
 }
 
 static void reads_as(const struct trk_sample *samples, size_t count)
@@ -87,11 +103,11 @@ static void records_every_field(void **state)
     log.samples[7].valid |= TRK_SCREEN;
     log.samples[7].screen[0] = 0.25f;
     log.samples[7].screen[1] = -0.1f;
-    struct trk_recorder *recorder = open_new(false);
+    struct trk_recorder *recorder = open_new();
     for (size_t i = 0; i < log.count; i++) trk_recorder_append(recorder, &log.samples[i]);
-    assert_true(trk_recorder_close(recorder, &after, error));
+    assert_true(trk_recorder_close(recorder, &after));
     assert_int_equal(after.written, log.count);
-    assert_int_equal(after.dropped + after.refused, 0);
+    assert_int_equal(after.lost + after.refused, 0);
     reads_as(log.samples, log.count);
     trk_log_finish(&log);
 }
@@ -102,42 +118,12 @@ static void is_there_soon(void **state)
     (void)state;
     struct trk_log log;
     assert_true(trk_synthesise(4, 1, &log));
-    struct trk_recorder *recorder = open_new(false);
+    struct trk_recorder *recorder = open_new();
     for (size_t i = 0; i < log.count; i++) trk_recorder_append(recorder, &log.samples[i]);
     await_written(recorder, log.count);
     reads_as(log.samples, log.count);
-    assert_true(trk_recorder_close(recorder, NULL, error));
+    assert_true(trk_recorder_close(recorder, NULL));
     trk_log_finish(&log);
-}
-
-static void refuses_what_is_there(void **state)
-{
-    (void)state;
-    struct trk_log log;
-    assert_true(trk_synthesise(4, 1, &log));
-    struct trk_recorder *recorder = open_new(false);
-    trk_recorder_append(recorder, &log.samples[0]);
-    assert_null(trk_recorder_open(path, true, error)); /* in use */
-    assert_non_null(strstr(error, "is being recorded already"));
-    assert_true(trk_recorder_close(recorder, NULL, error));
-    assert_null(trk_recorder_open(path, false, error));
-    assert_true(strstr(error, path) && strstr(error, "exists"));
-    reads_as(log.samples, 1);
-    recorder = open_new(true);
-    trk_recorder_append(recorder, &log.samples[1]);
-    assert_true(trk_recorder_close(recorder, NULL, error));
-    reads_as(log.samples + 1, 1);
-    trk_log_finish(&log);
-
-    assert_null(trk_recorder_open(dir, true, error));
-    assert_non_null(strstr(error, dir));
-    assert_null(trk_recorder_open("/dev/null", true, error));
-    assert_non_null(strstr(error, "not a regular file"));
-    assert_null(trk_recorder_open("absent/x.gaze", false, error));
-    assert_non_null(strstr(error, "No such file"));
-    unlink(path);
-    assert_int_equal(mkfifo(path, 0600), 0);
-    assert_null(trk_recorder_open(path, true, error)); /* and does not wait for a reader */
 }
 
 /* What no log can hold is counted, and the log stays readable. */
@@ -156,11 +142,11 @@ static void refuses_impossible_samples(void **state)
     bad[4].direction[1] = 2;
     bad[5].head[6] += 1;
     bad[6].device_ns = UINT64_MAX;
-    struct trk_recorder *recorder = open_new(false);
+    struct trk_recorder *recorder = open_new();
     for (int i = 0; i < 60; i++) trk_recorder_append(recorder, &log.samples[i]);
     for (int i = 0; i < 7; i++) trk_recorder_append(recorder, &bad[i]);
     for (int i = 60; i < 120; i++) trk_recorder_append(recorder, &log.samples[i]);
-    assert_true(trk_recorder_close(recorder, &after, error));
+    assert_true(trk_recorder_close(recorder, &after));
     assert_int_equal(after.refused, 7);
     assert_int_equal(after.written, 120);
     reads_as(log.samples, 120);
@@ -172,8 +158,7 @@ static void refuses_impossible_samples(void **state)
 static void record_for_ever(int pipe_fd)
 {
     struct trk_recorder_state now;
-    struct trk_recorder *recorder = trk_recorder_open(path, false, error);
-    if (!recorder) _exit(1);
+    struct trk_recorder *recorder = open_new();
     for (uint64_t i = 1;; i++) {
         struct trk_sample sample = {
             .sequence = i, .device_ns = monotonic_ns(), .valid = TRK_DIRECTION, .direction = {0, 0, -1}};
@@ -229,9 +214,9 @@ static void torn_anywhere(void **state)
     struct stat whole, less;
     assert_true(trk_synthesise(4, 1, &log));
     for (int n = 10; n <= 11; n++) {
-        struct trk_recorder *recorder = open_new(true);
+        struct trk_recorder *recorder = open_new();
         for (int i = 0; i < n; i++) trk_recorder_append(recorder, &log.samples[i]);
-        assert_true(trk_recorder_close(recorder, NULL, error));
+        assert_true(trk_recorder_close(recorder, NULL));
         assert_int_equal(stat(path, n == 10 ? &less : &whole), 0);
     }
     for (off_t size = whole.st_size - 1; size >= less.st_size; size--) {
@@ -245,44 +230,91 @@ static void torn_anywhere(void **state)
     trk_log_finish(&log);
 }
 
-/* A disk that takes no more: half a row is taken back, the rest counted, the reason told, what was written
- * kept. */
+/* A disk that takes no more: half a row is taken back, the reason told at once, what was written kept. When
+ * there is room again the recording goes on with what waited. */
 static void full_disk(void **state)
 {
     (void)state;
     struct trk_log log;
     struct trk_recorder_state after;
     struct rlimit before, small;
-    assert_true(trk_synthesise(4, 2, &log));
+    assert_true(trk_synthesise(4, 3, &log));
     assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
     small = before;
     small.rlim_cur = 20000;
     signal(SIGXFSZ, SIG_IGN);
-    struct trk_recorder *recorder = open_new(false);
-    assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
-    for (size_t i = 0; i < 10; i++) trk_recorder_append(recorder, &log.samples[i]);
-    await_written(recorder, 10);
-    for (size_t i = 10; i < log.count; i++) trk_recorder_append(recorder, &log.samples[i]);
-    bool ok = trk_recorder_close(recorder, &after, error);
-    setrlimit(RLIMIT_FSIZE, &before);
+    for (int round = 0; round < 2; round++) {
+        struct trk_recorder *recorder = open_new();
+        assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
+        for (size_t i = 0; i < 10; i++) trk_recorder_append(recorder, &log.samples[i]);
+        await_written(recorder, 10);
+        for (size_t i = 10; i < 300; i++) trk_recorder_append(recorder, &log.samples[i]);
+        do {
+            sleep_ms(10);
+            trk_recorder_look(recorder, &after);
+        } while (!after.failing);
+        assert_true(strstr(after.error, path) && strstr(after.error, "File too large"));
+        assert_true(after.written >= 10 && after.written < 300);
+        assert_int_equal(after.lost, 0); /* as yet */
+        reads_as(log.samples, after.written);
+        if (round == 1) {
+            assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+            await_recovery(recorder, 300);
+            for (size_t i = 300; i < log.count; i++) trk_recorder_append(recorder, &log.samples[i]);
+        }
+        assert_int_equal(trk_recorder_close(recorder, &after), round == 1);
+        setrlimit(RLIMIT_FSIZE, &before);
+        assert_int_equal(after.lost, round == 1 ? 0 : 300 - after.written);
+        if (round == 1) assert_int_equal(after.written, log.count);
+        reads_as(log.samples, after.written);
+    }
     signal(SIGXFSZ, SIG_DFL);
-    assert_false(ok);
-    assert_true(strstr(error, path) && strstr(error, "File too large"));
-    assert_true(after.failed && after.dropped > 0);
-    assert_int_equal(after.written + after.dropped, log.count);
-    assert_true(after.written >= 10);
-    reads_as(log.samples, after.written);
     trk_log_finish(&log);
 }
 
+/* What does not fit into the queue while the disk takes nothing is lost and counted, and the log goes on
+ * after it. */
+static void full_disk_for_long(void **state)
+{
+    (void)state;
+    struct trk_recorder_state after;
+    struct rlimit before, none;
+    struct trk_sample sample = {.sequence = 0};
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+    none = before;
+    none.rlim_cur = 0;
+    struct trk_recorder *recorder = open_new();
+    signal(SIGXFSZ, SIG_IGN);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &none), 0);
+    do {
+        sample.sequence = sample.device_ns = sample.arrival_ns = sample.sequence + 1;
+        trk_recorder_append(recorder, &sample);
+        trk_recorder_look(recorder, &after);
+    } while (after.lost < 10);
+    const uint64_t waiting = sample.sequence - 10;
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+    signal(SIGXFSZ, SIG_DFL);
+    await_recovery(recorder, waiting);
+    sample.sequence = sample.device_ns = sample.arrival_ns = sample.sequence + 1;
+    trk_recorder_append(recorder, &sample);
+    assert_false(trk_recorder_close(recorder, &after));
+    assert_int_equal(after.lost, 10);
+    assert_int_equal(after.written, waiting + 1);
+    struct trk_log back;
+    if (!trk_log_read(path, &back, error)) fail_msg("%s", error);
+    assert_int_equal(back.count, waiting + 1);
+    assert_int_equal(back.samples[waiting].sequence, waiting + 11);
+    trk_log_finish(&back);
+}
+
 /* Faster than any disk: what does not fit into the queue is counted. */
-static void counts_what_it_drops(void **state)
+static void counts_what_it_loses(void **state)
 {
     (void)state;
     struct trk_recorder_state after = {0};
-    struct trk_recorder *recorder = open_new(false);
+    struct trk_recorder *recorder = open_new();
     uint64_t count = 0;
-    while (!after.dropped) {
+    while (!after.lost) {
         for (int i = 0; i < 10000; i++) {
             count++;
             struct trk_sample sample = {.sequence = count, .device_ns = count, .arrival_ns = count};
@@ -290,10 +322,11 @@ static void counts_what_it_drops(void **state)
         }
         trk_recorder_look(recorder, &after);
     }
-    assert_true(trk_recorder_close(recorder, &after, error));
-    print_message("%llu dropped of %llu at full speed\n", (unsigned long long)after.dropped,
+    assert_false(trk_recorder_close(recorder, &after));
+    assert_non_null(strstr(after.error, "too slow"));
+    print_message("%llu lost of %llu at full speed\n", (unsigned long long)after.lost,
                   (unsigned long long)count);
-    assert_int_equal(after.written + after.dropped, count);
+    assert_int_equal(after.written + after.lost, count);
     struct trk_log back;
     if (!trk_log_read(path, &back, error)) fail_msg("%s", error);
     assert_int_equal(back.count, after.written);
@@ -321,11 +354,11 @@ static void two_threads(void **state)
     (void)state;
     struct trk_recorder_state after;
     pthread_t threads[2];
-    shared = open_new(false);
+    shared = open_new();
     for (int i = 0; i < 2; i++) assert_int_equal(pthread_create(&threads[i], NULL, append_some, NULL), 0);
     for (int i = 0; i < 2; i++) pthread_join(threads[i], NULL);
-    assert_true(trk_recorder_close(shared, &after, error));
-    assert_int_equal(after.written + after.refused + after.dropped, 4000);
+    assert_true(trk_recorder_close(shared, &after));
+    assert_int_equal(after.written + after.refused + after.lost, 4000);
     assert_true(after.written <= 2000);
 }
 
@@ -335,12 +368,12 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(records_every_field),
         TEST(is_there_soon),
-        TEST(refuses_what_is_there),
         TEST(refuses_impossible_samples),
         TEST(survives_a_kill),
         TEST(torn_anywhere),
         TEST(full_disk),
-        TEST(counts_what_it_drops),
+        TEST(full_disk_for_long),
+        TEST(counts_what_it_loses),
         TEST(two_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -5,6 +5,7 @@
 #include <cmocka.h>
 
 #include "tracker.h"
+#include "tracker_write.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -23,14 +24,13 @@ enum { COUNT = 5, LAP_NS = 15000 + 15000 / 4 };
 static int write_log(void **state)
 {
     (void)state;
-    char error[TRK_ERROR_SIZE];
     struct trk_log log;
     if (!trk_synthesise(3, COUNT / 120.0, &log)) return -1;
     for (size_t i = 0; i < COUNT; i++) {
         log.samples[i].device_ns = log.samples[i].arrival_ns = times[i];
         log.samples[i].sequence = i < 2 ? 11 + i : 12 + i;
     }
-    bool ok = trk_log_write(path, &log, true, error);
+    bool ok = written(&log, path);
     trk_log_finish(&log);
     return ok ? 0 : -1;
 }

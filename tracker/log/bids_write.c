@@ -12,7 +12,6 @@
 #include <errno.h>
 #include <jansson.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -28,10 +27,13 @@ static double pupil_mm(const struct trk_sample *sample)
     return count ? sum / count : NAN;
 }
 
-static bool write_rows(const char *path, const struct trk_log *log, bool with_pupil)
+/* zlib writes to a descriptor, past the buffer of table, which is empty. */
+static bool write_rows(FILE *table, const struct trk_log *log, bool with_pupil)
 {
-    gzFile file = gzopen(path, "wb");
+    int fd = dup(fileno(table));
+    gzFile file = fd < 0 ? NULL : gzdopen(fd, "wb");
     bool ok = file != NULL;
+    if (!file && fd >= 0) close(fd);
     for (size_t i = 0; i < log->count && ok; i++) {
         const struct trk_sample *sample = &log->samples[i];
         float d[3];
@@ -58,7 +60,7 @@ static const char *recorded_eye(const struct trk_log *log)
     return left == right ? "cyclopean" : left ? "left" : "right";
 }
 
-static bool write_sidecar(const char *path, const struct trk_log *log, double rate_hz, bool with_pupil)
+static bool write_sidecar(FILE *file, const struct trk_log *log, double rate_hz, bool with_pupil)
 {
     bool in_world = log->samples[0].valid & TRK_HEAD;
     json_t *root =
@@ -78,35 +80,20 @@ static bool write_sidecar(const char *path, const struct trk_log *log, double ra
             root, "pupil_size",
             json_pack("{s:s, s:s}", "Description", "pupil diameter, mean of the eyes", "Units", "mm"));
     }
-    bool ok = json_dump_file(root, path, JSON_INDENT(2)) == 0;
+    bool ok = json_dumpf(root, file, JSON_INDENT(2)) == 0;
     json_decref(root);
     return ok;
 }
 
-bool trk_bids_write(const char *path, const char *sidecar, const struct trk_log *log,
-                    char out_error[TRK_ERROR_SIZE])
+bool trk_log_print_bids(const struct trk_log *log, FILE *table, FILE *sidecar, char out_error[TRK_ERROR_SIZE])
 {
-    char *part = NULL, *sidecar_part = NULL;
     struct trk_rate rate;
-    bool with_pupil = false, ok = false;
-    if (log->count == 0) return trk_fail(out_error, "%s: no samples to write, expected at least one", path);
+    bool with_pupil = false;
+    if (log->count == 0) return trk_fail(out_error, "no samples to write, expected at least one");
     for (size_t i = 0; i < log->count && !with_pupil; i++) with_pupil = !isnan(pupil_mm(&log->samples[i]));
-    if (asprintf(&part, "%s.%ld.part", path, (long)getpid()) < 0) part = NULL;
-    if (asprintf(&sidecar_part, "%s.%ld.part", sidecar, (long)getpid()) < 0) sidecar_part = NULL;
-    if (!part || !sidecar_part || !trk_log_rate(log, &rate)) {
-        trk_fail(out_error, "%s: no memory", path);
-        goto done;
-    }
     errno = 0;
-    ok = write_sidecar(sidecar_part, log, rate.hz, with_pupil) && write_rows(part, log, with_pupil) &&
-         rename(sidecar_part, sidecar) == 0 && rename(part, path) == 0;
-    if (!ok) {
-        trk_fail(out_error, "%s: cannot write: %s", path, errno ? strerror(errno) : "no memory");
-        unlink(part);
-        unlink(sidecar_part);
-    }
-done:
-    free(part);
-    free(sidecar_part);
-    return ok;
+    if (trk_log_rate(log, &rate) && write_sidecar(sidecar, log, rate.hz, with_pupil) &&
+        write_rows(table, log, with_pupil))
+        return true;
+    return trk_fail(out_error, "cannot be written: %s", errno ? strerror(errno) : "no memory");
 }

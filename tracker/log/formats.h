@@ -22,8 +22,4 @@ extern const struct trk_log_format trk_log_arff;
 extern const struct trk_log_format trk_log_pymovements;
 extern const struct trk_log_format trk_log_bids;
 
-/* Write a log as BIDS: the table, in gzip, and the sidecar that belongs to it. */
-bool trk_bids_write(const char *path, const char *sidecar, const struct trk_log *log,
-                    char out_error[TRK_ERROR_SIZE]);
-
 #endif

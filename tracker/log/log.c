@@ -318,38 +318,6 @@ bool trk_log_read(const char *path, struct trk_log *out_log, char out_error[TRK_
     return trk_log_read_with(path, &(const struct trk_log_options){0}, out_log, out_error);
 }
 
-/* A file that may be written: none that the log was read from, and none that is there unless it may go. */
-static bool may_be_written(const char *path, const struct trk_log *log, bool replace,
-                           char out_error[TRK_ERROR_SIZE])
-{
-    struct stat status;
-    if (trk_log_is_from(log, path))
-        return trk_fail(
-            out_error, "%s: is the log itself, or a file that it was read with; expected another name", path);
-    if (lstat(path, &status) != 0) return true;
-    if (!S_ISREG(status.st_mode) &&
-        (!S_ISLNK(status.st_mode) || (stat(path, &status) == 0 && !S_ISREG(status.st_mode))))
-        return trk_fail(out_error, "%s: not a regular file, expected a place for a gaze log", path);
-    if (!replace) return trk_fail(out_error, "%s: exists, expected another name or --replace", path);
-    return true;
-}
-
-bool trk_log_write(const char *path, const struct trk_log *log, bool replace, char out_error[TRK_ERROR_SIZE])
-{
-    static const char bids[] = ".tsv.gz";
-    size_t length = strlen(path);
-    char *sidecar = NULL;
-    bool is_bids = length > strlen(bids) && strcmp(path + length - strlen(bids), bids) == 0;
-    if (!may_be_written(path, log, replace, out_error)) return false;
-    if (!is_bids) return trk_own_write(path, log, out_error);
-    if (asprintf(&sidecar, "%.*s.json", (int)(length - strlen(bids)), path) < 0)
-        return trk_fail(out_error, "%s: no memory", path);
-    bool ok =
-        may_be_written(sidecar, log, replace, out_error) && trk_bids_write(path, sidecar, log, out_error);
-    free(sidecar);
-    return ok;
-}
-
 void trk_log_finish(struct trk_log *log)
 {
     free(log->samples);

@@ -4,13 +4,10 @@
 #include "error.h"
 #include "log/formats.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #define MAGIC     "fovead-gaze "
 #define VERSION   "1"
@@ -272,7 +269,7 @@ size_t trk_own_row(const struct trk_sample *sample, bool with_screen, char out_t
     return length;
 }
 
-static void write_rows(FILE *file, const struct trk_log *log)
+void trk_log_print(const struct trk_log *log, FILE *file)
 {
     char text[TRK_OWN_SIZE];
     bool with_screen = false;
@@ -280,29 +277,4 @@ static void write_rows(FILE *file, const struct trk_log *log)
     fwrite(text, 1, trk_own_header(with_screen, text), file);
     for (size_t i = 0; i < log->count; i++)
         fwrite(text, 1, trk_own_row(&log->samples[i], with_screen, text), file);
-}
-
-/* Written beside its place and renamed, so that a reader never sees half a log. */
-bool trk_own_write(const char *path, const struct trk_log *log, char out_error[TRK_ERROR_SIZE])
-{
-    char *part = NULL;
-    if (asprintf(&part, "%s.%ld.part", path, (long)getpid()) < 0)
-        return trk_fail(out_error, "%s: no memory", path);
-
-    bool ok = false;
-    int fd = open(part, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
-    FILE *file = fd < 0 ? NULL : fdopen(fd, "w");
-    if (file) {
-        write_rows(file, log);
-        bool written = !ferror(file);
-        ok = fclose(file) == 0 && written && rename(part, path) == 0;
-    } else if (fd >= 0) {
-        close(fd);
-    }
-    if (!ok) {
-        trk_fail(out_error, "%s: cannot write: %s", path, strerror(errno));
-        if (fd >= 0) unlink(part);
-    }
-    free(part);
-    return ok;
 }

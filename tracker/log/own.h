@@ -35,7 +35,4 @@ size_t trk_own_row(const struct trk_sample *sample, bool with_screen, char out_t
 /* Would trk_log_read() take its row? What is valid must be finite, and of unit length where that is asked. */
 bool trk_own_accepts(const struct trk_sample *sample);
 
-/* Write a log in this format; it appears whole or not at all. */
-bool trk_own_write(const char *path, const struct trk_log *log, char out_error[TRK_ERROR_SIZE]);
-
 #endif
