@@ -24,7 +24,7 @@ static bool seen(const struct scan *scan, size_t i)
 
 static uint64_t time_of(const struct scan *scan, size_t i)
 {
-    return scan->log->samples[i].device_ns;
+    return trk_log_time(scan->log, i);
 }
 
 /* Where the eye already was on its way when the onset showed is part of the saccade. */
@@ -44,10 +44,12 @@ static void classify(struct scan *scan, double *out_noise_deg)
     size_t last = SIZE_MAX;
     trk_classifier_init(&c);
     for (size_t i = 0; i < scan->count; i++) {
+        struct trk_sample sample;
         float head[3];
+        trk_log_sample(scan->log, i, &sample);
         scan->label[i] = TRK_FALLBACK;
-        if (!trk_gaze_direction(&scan->log->samples[i], head, NULL)) continue;
-        trk_to_world(&scan->log->samples[i], head, scan->world[i]);
+        if (!trk_gaze_direction(&sample, head, NULL)) continue;
+        trk_to_world(&sample, head, scan->world[i]);
         enum trk_state before = c.state;
         bool later = last == SIZE_MAX || time_of(scan, i) > time_of(scan, last);
         scan->label[i] = later ? trk_classify(&c, time_of(scan, i), head, scan->world[i]) : c.state;
@@ -82,7 +84,9 @@ static void name_gap(struct scan *scan, size_t first, size_t last)
     unsigned char label = gap_ns <= TRK_LONGEST_BLINK_NS ? TRK_BLINK : TRK_LOST;
     size_t open = 0, closed = 0;
     for (size_t i = first; i <= last; i++) {
-        bool known, shut = trk_lids_closed(&scan->log->samples[i], &known);
+        struct trk_sample sample;
+        trk_log_sample(scan->log, i, &sample);
+        bool known, shut = trk_lids_closed(&sample, &known);
         closed += shut;
         open += known && !shut;
     }

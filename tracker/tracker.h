@@ -68,15 +68,17 @@ bool trk_world_direction(const struct trk_sample *sample, float out_direction[3]
 
 /* --- logs ----------------------------------------------------------------------------------------------- */
 
-/* A recorded log, whole in memory. Samples are ordered by device_ns, which never goes back. arrival_ns of
- * a log's samples is the time of the recording's own host clock where the format has one, else equal to
- * device_ns. */
+/* A recorded log, whole in memory, where its samples are packed: trk_log_sample() reads them. They are
+ * ordered by device_ns, which never goes back. arrival_ns of a log's samples is the time of the recording's
+ * own host clock where the format has one, else equal to device_ns. */
 enum { TRK_ASSUMED_SIZE = 1024, TRK_MAX_SOURCES = 32 };
 
+struct trk_samples;
+
 struct trk_log {
-    const char *format; /* name of the format it was read as: static storage */
-    size_t count;
-    struct trk_sample *samples;     /* count of them; owned by the log */
+    const char *format;             /* name of the format it was read as: static storage */
+    size_t count;                   /* of samples */
+    struct trk_samples *samples;    /* owned by the log; NULL if there are none */
     char assumed[TRK_ASSUMED_SIZE]; /* what the reader took for granted, one line, "; " between; may be "" */
     /* The files that it was read from, which are not written over: stat()'s st_dev and st_ino. */
     struct {
@@ -126,6 +128,16 @@ bool trk_log_print_bids(const struct trk_log *log, FILE *table, FILE *sidecar,
 /* Was the log read from that file, by whatever name? */
 bool trk_log_is_from(const struct trk_log *log, const char *path);
 
+/* Sample i, from 0, of log->count: just as it was recorded, and 0 in fields whose valid bit is unset. Several
+ * threads may read the same log. */
+void trk_log_sample(const struct trk_log *log, size_t i, struct trk_sample *out_sample);
+
+/* Its device_ns alone. */
+uint64_t trk_log_time(const struct trk_log *log, size_t i);
+
+/* The TRK_* bits that any sample has. */
+uint32_t trk_log_seen(const struct trk_log *log);
+
 #define TRK_GAP_STEPS 2.5 /* a gap is longer than this many steps */
 
 /* How fast samples follow each other in a log, apart from its gaps: pauses of the recording and losses. */
@@ -139,8 +151,7 @@ struct trk_rate {
     bool in_bursts;      /* samples come several at once, all the time */
 };
 
-/* False when memory is short. */
-bool trk_log_rate(const struct trk_log *log, struct trk_rate *out_rate);
+void trk_log_rate(const struct trk_log *log, struct trk_rate *out_rate);
 
 /* Is the step to sample i, from 1, a gap? */
 bool trk_log_is_gap(const struct trk_log *log, const struct trk_rate *rate, size_t i);

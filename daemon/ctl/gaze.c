@@ -2,7 +2,6 @@
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "ctl.h"
@@ -13,13 +12,21 @@ struct range {
     double low, high; /* deg; high is above 180 where the arc crosses straight behind; low > high: nothing */
 };
 
+/* Yaws from -180 to 180, by twentieths of a degree: the lowest and the highest of each. */
+enum { BINS = 7200 };
+struct circle {
+    struct range bins[BINS];
+};
+
 struct summary {
     double span_s, mean_hz; /* mean_hz counts the gaps */
     struct trk_rate rate;
     size_t unseen; /* samples that sequence numbers say were lost */
-    size_t gaze, eye[2], pupil[2], head, closed;
-    bool head_moves, head_is_zero;
+    size_t gaze, eye[2], pupil[2], head;
+    float first_head[7];
+    bool head_moves, head_is_zero; /* zero: of all of them */
     struct range head_yaw, head_pitch, world_yaw, world_pitch;
+    struct circle head_circle, world_circle; /* what the yaws are found from */
     struct trk_events events;
 };
 
@@ -30,80 +37,58 @@ bool ctl_read_log(const struct ctl *ctl, struct trk_log *out_log)
     return trk_log_read_with(ctl->operand[0], &ctl->log, out_log, error) || ctl_fail("%s", error);
 }
 
-static int by_size(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-
-    return (x > y) - (x < y);
-}
-
-static bool summarise_time(const struct trk_log *log, struct summary *s)
-{
-    size_t n = log->count - 1;
-
-    for (size_t i = 0; i < n; i++) s->unseen += log->samples[i + 1].sequence - log->samples[i].sequence - 1;
-    s->span_s = (double)(log->samples[n].device_ns - log->samples[0].device_ns) / 1e9;
-    s->mean_hz = s->span_s > 0 ? (double)n / s->span_s : 0;
-    return trk_log_rate(log, &s->rate) || ctl_fail("out of memory");
-}
-
-/* The shortest arc that holds all these yaws, which are sorted here: what the widest gap between neighbours
- * leaves.
- */
-static struct range arc_of(double *yaw, size_t count)
-{
-    qsort(yaw, count, sizeof(*yaw), by_size);
-    struct range arc = {yaw[0], yaw[count - 1]};
-    double widest = yaw[0] + 360 - yaw[count - 1];
-
-    for (size_t i = 1; i < count; i++) {
-        if (yaw[i] - yaw[i - 1] <= widest) continue;
-        widest = yaw[i] - yaw[i - 1];
-        arc = (struct range){yaw[i], yaw[i - 1] + 360};
-    }
-    return arc;
-}
-
-static bool summarise_yaw(const struct trk_log *log, struct summary *s)
-{
-    double *yaw = malloc(2 * log->count * sizeof(*yaw));
-    size_t n = 0;
-
-    if (!yaw) return ctl_fail("out of memory");
-    for (size_t i = 0; i < log->count; i++) {
-        float world[3];
-
-        if (!trk_world_direction(&log->samples[i], world)) continue;
-        yaw[n] = ctl_yaw_deg(log->samples[i].direction);
-        yaw[log->count + n++] = ctl_yaw_deg(world);
-    }
-    if (n) {
-        s->head_yaw = arc_of(yaw, n);
-        s->world_yaw = arc_of(yaw + log->count, n);
-    }
-    free(yaw);
-    return true;
-}
-
-static void summarise_head(const struct trk_log *log, struct summary *s)
-{
-    static const float zero[7] = {0, 0, 0, 0, 0, 0, 1};
-    const struct trk_sample *first = NULL;
-
-    for (size_t i = 0; i < log->count; i++) {
-        if (!(log->samples[i].valid & TRK_HEAD)) continue;
-        if (!first) first = &log->samples[i];
-        s->head++;
-        for (int k = 0; k < 7; k++) s->head_moves |= log->samples[i].head[k] != first->head[k];
-    }
-    s->head_is_zero = first && !s->head_moves;
-    for (int k = 0; k < 7 && s->head_is_zero; k++) s->head_is_zero = first->head[k] == zero[k];
-}
-
 static void widen(struct range *range, double value)
 {
     range->low = fmin(range->low, value);
     range->high = fmax(range->high, value);
+}
+
+static void widen_circle(struct circle *circle, double yaw)
+{
+    int bin = (int)((yaw + 180) * BINS / 360);
+
+    widen(&circle->bins[bin < BINS ? bin : BINS - 1], yaw);
+}
+
+/* The shortest arc that holds all these yaws: what the widest gap between neighbours leaves. The widest is
+ * found if it is as wide as a bin. Where none is, some gap between two bins is taken for it. */
+static struct range arc_of(const struct circle *circle)
+{
+    struct range arc = {INFINITY, -INFINITY};
+    double last = NAN, widest;
+
+    for (int i = 0; i < BINS; i++) {
+        const struct range *bin = &circle->bins[i];
+
+        if (bin->low > bin->high) continue;
+        arc = (struct range){fmin(arc.low, bin->low), bin->high};
+    }
+    widest = arc.low + 360 - arc.high;
+    for (int i = 0; i < BINS; i++) {
+        const struct range *bin = &circle->bins[i];
+
+        if (bin->low > bin->high) continue;
+        if (bin->low - last > widest) {
+            widest = bin->low - last;
+            arc = (struct range){bin->low, last + 360};
+        }
+        last = bin->high;
+    }
+    return arc;
+}
+
+static void summarise_head(const float head[7], struct summary *s)
+{
+    static const float zero[7] = {0, 0, 0, 0, 0, 0, 1};
+
+    if (s->head++ == 0) {
+        memcpy(s->first_head, head, sizeof(s->first_head));
+        s->head_is_zero = true;
+    }
+    for (int k = 0; k < 7; k++) {
+        s->head_moves |= head[k] != s->first_head[k];
+        s->head_is_zero &= head[k] == zero[k];
+    }
 }
 
 static void summarise_sample(const struct trk_sample *sample, struct summary *s)
@@ -114,21 +99,37 @@ static void summarise_sample(const struct trk_sample *sample, struct summary *s)
         s->eye[eye] += (sample->valid & TRK_LEFT_DIRECTION << 4 * eye) != 0;
         s->pupil[eye] += (sample->valid & TRK_LEFT_PUPIL << 4 * eye) != 0;
     }
+    if (sample->valid & TRK_HEAD) summarise_head(sample->head, s);
     if (!trk_world_direction(sample, world)) return;
     s->gaze++;
     widen(&s->head_pitch, ctl_pitch_deg(sample->direction));
     widen(&s->world_pitch, ctl_pitch_deg(world));
+    widen_circle(&s->head_circle, ctl_yaw_deg(sample->direction));
+    widen_circle(&s->world_circle, ctl_yaw_deg(world));
 }
 
 static bool summarise(const struct trk_log *log, struct summary *out_summary)
 {
     const struct range none = {INFINITY, -INFINITY};
+    struct trk_sample first, last;
 
-    *out_summary =
-        (struct summary){.head_yaw = none, .head_pitch = none, .world_yaw = none, .world_pitch = none};
-    for (size_t i = 0; i < log->count; i++) summarise_sample(&log->samples[i], out_summary);
-    summarise_head(log, out_summary);
-    if (!summarise_time(log, out_summary) || !summarise_yaw(log, out_summary)) return false;
+    *out_summary = (struct summary){.head_pitch = none, .world_pitch = none};
+    for (int i = 0; i < BINS; i++)
+        out_summary->head_circle.bins[i] = out_summary->world_circle.bins[i] = none;
+    for (size_t i = 0; i < log->count; i++) {
+        struct trk_sample sample;
+
+        trk_log_sample(log, i, &sample);
+        summarise_sample(&sample, out_summary);
+    }
+    trk_log_sample(log, 0, &first);
+    trk_log_sample(log, log->count - 1, &last);
+    out_summary->head_yaw = arc_of(&out_summary->head_circle);
+    out_summary->world_yaw = arc_of(&out_summary->world_circle);
+    out_summary->unseen = last.sequence - first.sequence - (log->count - 1);
+    out_summary->span_s = (double)(last.device_ns - first.device_ns) / 1e9;
+    if (out_summary->span_s > 0) out_summary->mean_hz = (double)(log->count - 1) / out_summary->span_s;
+    trk_log_rate(log, &out_summary->rate);
     return trk_events_find(log, &out_summary->events) || ctl_fail("out of memory");
 }
 

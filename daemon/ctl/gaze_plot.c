@@ -48,7 +48,15 @@ static void put_quoted(FILE *out, const char *text)
 
 static double seconds(const struct trk_log *log, uint64_t time_ns)
 {
-    return (double)(time_ns - log->samples[0].device_ns) / 1e9;
+    return (double)(time_ns - trk_log_time(log, 0)) / 1e9;
+}
+
+static bool world_direction(const struct trk_log *log, size_t i, float out_direction[3])
+{
+    struct trk_sample sample;
+
+    trk_log_sample(log, i, &sample);
+    return trk_world_direction(&sample, out_direction);
 }
 
 /* Is there a gap in the steps after sample first, up to last? */
@@ -79,15 +87,14 @@ static void put_path(FILE *out, const char *name, const struct trk_log *log, con
         while (event < events->count && events->events[event].last < i) event++;
         is_here = event < events->count && events->events[event].first <= i &&
                   (int)events->events[event].type == type;
-        if ((type >= 0 && !is_here) || !trk_world_direction(&log->samples[i], world)) {
+        if ((type >= 0 && !is_here) || !world_direction(log, i, world)) {
             if (!isnan(last_yaw)) fputc('\n', out);
             last_yaw = NAN;
             continue;
         }
         if (fabs(ctl_yaw_deg(world) - last_yaw) > 180) fputc('\n', out);
         last_yaw = ctl_yaw_deg(world);
-        fprintf(out, "%.4f %.3f %.3f\n", seconds(log, log->samples[i].device_ns), last_yaw,
-                ctl_pitch_deg(world));
+        fprintf(out, "%.4f %.3f %.3f\n", seconds(log, trk_log_time(log, i)), last_yaw, ctl_pitch_deg(world));
     }
     fputs("EOD\n", out);
 }
@@ -131,7 +138,7 @@ static void range_of(const struct trk_log *log, double (*angle)(const float v[3]
     for (size_t i = 0; i < log->count; i++) {
         float world[3];
 
-        if (!trk_world_direction(&log->samples[i], world)) continue;
+        if (!world_direction(log, i, world)) continue;
         low = fmin(low, angle(world));
         high = fmax(high, angle(world));
     }
@@ -163,7 +170,7 @@ static void put_time_chart(FILE *out, const char *label, int column, const doubl
 
 static void put_charts(FILE *out, const char *path, const struct trk_log *log)
 {
-    double yaw[2], pitch[2], end_s = seconds(log, log->samples[log->count - 1].device_ns);
+    double yaw[2], pitch[2], end_s = seconds(log, trk_log_time(log, log->count - 1));
 
     range_of(log, ctl_yaw_deg, yaw);
     range_of(log, ctl_pitch_deg, pitch);
@@ -235,7 +242,8 @@ int ctl_gaze_plot(const struct ctl *ctl)
     if (!ctl_read_log(ctl, &log)) return 1;
     if (trk_log_is_from(&log, out)) {
         ctl_fail("%s: is the log itself, or a file that it was read with; expected another name", out);
-    } else if (trk_log_rate(&log, &rate) && trk_events_find(&log, &events)) {
+    } else if (trk_events_find(&log, &events)) {
+        trk_log_rate(&log, &rate);
         good = draw(ctl->operand[0], out, &log, &rate, &events);
         trk_events_finish(&events);
     } else {

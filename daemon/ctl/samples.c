@@ -87,9 +87,11 @@ static void draw_path(struct map *map, const struct trk_log *log)
     bool any = false, joined = false;
 
     for (size_t i = 0; i < log->count; i++) {
+        struct trk_sample sample;
         float d[3], at[2];
 
-        if (!trk_world_direction(&log->samples[i], d)) {
+        trk_log_sample(log, i, &sample);
+        if (!trk_world_direction(&sample, d)) {
             joined = false;
             continue;
         }

@@ -72,8 +72,11 @@ static void check_log(const struct trk_log *log)
 {
     if (!log->format || !*log->format || log->count == 0) abort();
     if (strlen(log->assumed) >= TRK_ASSUMED_SIZE || strpbrk(log->assumed, "\r\n")) abort();
+    struct trk_sample samples[2];
     for (size_t i = 0; i < log->count; i++) {
-        const struct trk_sample *sample = &log->samples[i];
+        struct trk_sample *sample = &samples[i % 2], *last = &samples[!(i % 2)];
+        trk_log_sample(log, i, sample);
+        if (trk_log_time(log, i) != sample->device_ns || (sample->valid & ~trk_log_seen(log))) abort();
         if (!trk_own_accepts(sample)) abort(); /* finite, and of unit length */
         for (int eye = 0; eye < 2; eye++)
             if ((sample->valid & TRK_LEFT_OPENNESS << 4 * eye) &&
@@ -81,8 +84,8 @@ static void check_log(const struct trk_log *log)
                 strcmp(log->format, "fovead") != 0)
                 abort();
         if (i == 0) continue;
-        if (sample->device_ns < sample[-1].device_ns || sample->arrival_ns < sample[-1].arrival_ns ||
-            sample->sequence <= sample[-1].sequence)
+        if (sample->device_ns < last->device_ns || sample->arrival_ns < last->arrival_ns ||
+            sample->sequence <= last->sequence)
             abort();
     }
 }

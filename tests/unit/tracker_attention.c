@@ -7,6 +7,7 @@
 #include "arc.h"
 #include "events.h"
 #include "source/observer.h"
+#include "tracker_samples.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -504,7 +505,7 @@ static void repeats_itself(void **state)
         begin(&(struct trk_attention_options){.predict = true});
         for (size_t i = 0; i < log.count; i++) {
             memset(&gaze, 0, sizeof gaze);
-            trk_attend(attention, &log.samples[i], log.samples[i].arrival_ns, &gaze);
+            trk_attend(attention, sample_at(&log, i), sample_at(&log, i)->arrival_ns, &gaze);
             if (pass == 0)
                 first[i] = gaze;
             else

@@ -7,7 +7,9 @@
 #include "arc.h"
 #include "events.h"
 #include "log/log.h"
+#include "log/samples.h"
 #include "source/observer.h"
+#include "tracker_samples.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -185,20 +187,25 @@ static struct trk_log script;
 static void play(int n, double a, double b, bool hidden, float openness)
 {
     static unsigned seed = 5;
-    script.samples = realloc(script.samples, (script.count + (size_t)n) * sizeof *script.samples);
-    assert_non_null(script.samples);
     for (int i = 0; i < n; i++) {
-        struct trk_sample *s = &script.samples[script.count];
-        *s = (struct trk_sample){.sequence = script.count + 1, .device_ns = script.count * 1000000000 / 120};
-        s->arrival_ns = s->device_ns;
+        struct trk_sample s = {.sequence = script.count + 1, .device_ns = script.count * 1000000000 / 120};
+        s.arrival_ns = s.device_ns;
         if (openness >= 0) {
-            s->valid = TRK_LEFT_OPENNESS;
-            s->eye[0].openness = openness;
+            s.valid = TRK_LEFT_OPENNESS;
+            s.eye[0].openness = openness;
         }
-        if (!hidden) s->valid |= TRK_DIRECTION;
-        at(a + (b - a) * (i + 1) / n + noise(&seed, 0.05), noise(&seed, 0.05), s->direction);
-        script.count++;
+        if (!hidden) s.valid |= TRK_DIRECTION;
+        at(a + (b - a) * (i + 1) / n + noise(&seed, 0.05), noise(&seed, 0.05), s.direction);
+        assert_true(trk_samples_add(&script, &s));
     }
+}
+
+/* Let sample i come at another time. */
+static void move(size_t i, uint64_t device_ns)
+{
+    struct trk_sample s = *sample_at(&script, i);
+    s.device_ns = device_ns;
+    assert_true(trk_samples_put(&script, i, &s));
 }
 
 struct expected {
@@ -269,7 +276,7 @@ static void lids_and_silence(void **state)
     play(60, 0, 0, false, 1);   /* until 1.7 s */
     play(60, 0, 0, false, 1);
     for (size_t i = 204; i < script.count; i++)
-        script.samples[i].device_ns += 500000000; /* nothing comes until 2.2 s */
+        move(i, trk_log_time(&script, i) + 500000000); /* nothing comes until 2.2 s */
     static const struct expected expected[] = {
         {TRK_FIXATION, 0, 0.425, 0, 0}, {TRK_BLINK, 0.425, 0.7, 0, 0},  {TRK_FIXATION, 0.7, 1.0, 0, 0},
         {TRK_LOST, 1.0, 1.2, 0, 0},     {TRK_FIXATION, 1.2, 1.7, 0, 0}, {TRK_LOST, 1.7, 2.2, 0, 0},
@@ -340,7 +347,7 @@ static void nothing_and_little(void **state)
     trk_events_finish(&events);
     trk_log_finish(&script);
     play(60, 0, 0, false, -1);
-    for (size_t i = 0; i < script.count; i++) script.samples[i].device_ns = 7; /* time stands still */
+    for (size_t i = 0; i < script.count; i++) move(i, 7); /* time stands still */
     assert_true(trk_events_find(&script, &events));
     trk_events_finish(&events);
     trk_log_finish(&script);

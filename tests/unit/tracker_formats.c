@@ -6,6 +6,7 @@
 #include "tracker_corpus.h"
 
 #include "tracker.h"
+#include "tracker_samples.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -119,7 +120,7 @@ static void every_format_says_the_same(void **state)
         print_message("%s: %s; %s\n", logs[k].file, log.format, log.assumed);
         assert_string_equal(log.format, logs[k].name);
         assert_int_equal(log.count, 5);
-        for (int i = 0; i < 5; i++) check_sample(&logs[k], &log.samples[i], i);
+        for (int i = 0; i < 5; i++) check_sample(&logs[k], sample_at(&log, i), i);
         if (!strstr(log.assumed, logs[k].assumed))
             fail_msg("'%s' should say '%s'", log.assumed, logs[k].assumed);
         trk_log_finish(&log);
@@ -182,9 +183,9 @@ static void told(const char *file, struct trk_log_options options, int sample, d
     struct trk_log log;
     float world[3];
     if (!open_log(file, &options, &log, error)) fail_msg("%s: %s", file, error);
-    assert_true(trk_world_direction(&log.samples[sample], world));
+    assert_true(trk_world_direction(sample_at(&log, sample), world));
     check_gaze(world, yaw, pitch);
-    assert_int_equal(log.samples[4].device_ns, last_ns);
+    assert_int_equal(sample_at(&log, 4)->device_ns, last_ns);
     trk_log_finish(&log);
 }
 
@@ -329,7 +330,7 @@ static void ambiguity_is_refused(void **state)
     assert_false(trk_log_read(path, &log, error));
     assert_non_null(strstr(error, ":1: may be any of gazebase, gazebase-vr: expected the format to be told"));
     assert_true(trk_log_read_with(path, &(struct trk_log_options){.format = "gazebase-vr"}, &log, error));
-    assert_true(log.samples[0].valid & TRK_LEFT_DIRECTION);
+    assert_true(sample_at(&log, 0)->valid & TRK_LEFT_DIRECTION);
     trk_log_finish(&log);
 }
 
@@ -347,7 +348,7 @@ static void units_of_time_are_guessed_or_refused(void **state)
                  times[i].step, 2 * times[i].step);
         spill(path, text, strlen(text));
         if (!trk_log_read(path, &log, error)) fail_msg("%s", error);
-        assert_int_equal(log.samples[1].device_ns, 4000000);
+        assert_int_equal(sample_at(&log, 1)->device_ns, 4000000);
         assert_non_null(strstr(log.assumed, times[i].says));
         trk_log_finish(&log);
     }
@@ -431,9 +432,10 @@ static void bids_reads_back(void **state)
     assert_string_equal(back.assumed, "");
     assert_int_equal(back.count, log.count);
     for (size_t i = 0; i < log.count; i++) {
-        bool valid = trk_world_direction(&log.samples[i], a);
-        assert_int_equal(back.samples[i].device_ns, log.samples[i].device_ns - log.samples[0].device_ns);
-        assert_int_equal(trk_world_direction(&back.samples[i], b), valid);
+        bool valid = trk_world_direction(sample_at(&log, i), a);
+        assert_int_equal(sample_at(&back, i)->device_ns,
+                         sample_at(&log, i)->device_ns - sample_at(&log, 0)->device_ns);
+        assert_int_equal(trk_world_direction(sample_at(&back, i), b), valid);
         for (int k = 0; k < 3 && valid; k++) assert_float_equal(a[k], b[k], 1e-6);
     }
     trk_log_finish(&back);

@@ -5,6 +5,7 @@
 #include <cmocka.h>
 
 #include "tracker.h"
+#include "tracker_samples.h"
 
 #include <fcntl.h>
 #include <math.h>
@@ -90,7 +91,7 @@ static void reads_as(const struct trk_sample *samples, size_t count)
     struct trk_log back;
     if (!trk_log_read(path, &back, error)) fail_msg("%s", error);
     assert_int_equal(back.count, count);
-    assert_memory_equal(back.samples, samples, count * sizeof *samples);
+    for (size_t i = 0; i < count; i++) assert_memory_equal(sample_at(&back, i), &samples[i], sizeof *samples);
     trk_log_finish(&back);
 }
 
@@ -100,15 +101,18 @@ static void records_every_field(void **state)
     struct trk_log log;
     struct trk_recorder_state after;
     assert_true(trk_synthesise(4, 20, &log));
-    log.samples[7].valid |= TRK_SCREEN;
-    log.samples[7].screen[0] = 0.25f;
-    log.samples[7].screen[1] = -0.1f;
+    struct trk_sample *samples = samples_of(&log);
+    assert_non_null(samples);
+    samples[7].valid |= TRK_SCREEN;
+    samples[7].screen[0] = 0.25f;
+    samples[7].screen[1] = -0.1f;
     struct trk_recorder *recorder = open_new();
-    for (size_t i = 0; i < log.count; i++) trk_recorder_append(recorder, &log.samples[i]);
+    for (size_t i = 0; i < log.count; i++) trk_recorder_append(recorder, &samples[i]);
     assert_true(trk_recorder_close(recorder, &after));
     assert_int_equal(after.written, log.count);
     assert_int_equal(after.lost + after.refused, 0);
-    reads_as(log.samples, log.count);
+    reads_as(samples, log.count);
+    free(samples);
     trk_log_finish(&log);
 }
 
@@ -118,11 +122,14 @@ static void is_there_soon(void **state)
     (void)state;
     struct trk_log log;
     assert_true(trk_synthesise(4, 1, &log));
+    struct trk_sample *samples = samples_of(&log);
+    assert_non_null(samples);
     struct trk_recorder *recorder = open_new();
-    for (size_t i = 0; i < log.count; i++) trk_recorder_append(recorder, &log.samples[i]);
+    for (size_t i = 0; i < log.count; i++) trk_recorder_append(recorder, &samples[i]);
     await_written(recorder, log.count);
-    reads_as(log.samples, log.count);
+    reads_as(samples, log.count);
     assert_true(trk_recorder_close(recorder, NULL));
+    free(samples);
     trk_log_finish(&log);
 }
 
@@ -133,9 +140,11 @@ static void refuses_impossible_samples(void **state)
     struct trk_log log;
     struct trk_recorder_state after;
     assert_true(trk_synthesise(4, 1, &log));
+    struct trk_sample *samples = samples_of(&log);
+    assert_non_null(samples);
     struct trk_sample bad[7];
-    for (int i = 0; i < 7; i++) bad[i] = log.samples[60];
-    bad[0].sequence = log.samples[59].sequence;
+    for (int i = 0; i < 7; i++) bad[i] = samples[60];
+    bad[0].sequence = samples[59].sequence;
     bad[1].device_ns = 0;
     bad[2].arrival_ns = 0;
     bad[3].direction[0] = NAN;
@@ -143,13 +152,14 @@ static void refuses_impossible_samples(void **state)
     bad[5].head[6] += 1;
     bad[6].device_ns = UINT64_MAX;
     struct trk_recorder *recorder = open_new();
-    for (int i = 0; i < 60; i++) trk_recorder_append(recorder, &log.samples[i]);
+    for (int i = 0; i < 60; i++) trk_recorder_append(recorder, &samples[i]);
     for (int i = 0; i < 7; i++) trk_recorder_append(recorder, &bad[i]);
-    for (int i = 60; i < 120; i++) trk_recorder_append(recorder, &log.samples[i]);
+    for (int i = 60; i < 120; i++) trk_recorder_append(recorder, &samples[i]);
     assert_true(trk_recorder_close(recorder, &after));
     assert_int_equal(after.refused, 7);
     assert_int_equal(after.written, 120);
-    reads_as(log.samples, 120);
+    reads_as(samples, 120);
+    free(samples);
     trk_log_finish(&log);
 }
 
@@ -196,7 +206,7 @@ static void survives_a_kill(void **state)
 
         struct trk_log back;
         if (!trk_log_read(path, &back, error)) fail_msg("%s", error);
-        const struct trk_sample *newest = &back.samples[back.count - 1];
+        const struct trk_sample *newest = sample_at(&back, back.count - 1);
         assert_int_equal(newest->sequence, back.count); /* none is missing before */
         print_message("%zu of %llu samples are kept, %llu were said to be\n", back.count,
                       (unsigned long long)appended, (unsigned long long)written);
@@ -213,20 +223,23 @@ static void torn_anywhere(void **state)
     struct trk_log log;
     struct stat whole, less;
     assert_true(trk_synthesise(4, 1, &log));
+    struct trk_sample *samples = samples_of(&log);
+    assert_non_null(samples);
     for (int n = 10; n <= 11; n++) {
         struct trk_recorder *recorder = open_new();
-        for (int i = 0; i < n; i++) trk_recorder_append(recorder, &log.samples[i]);
+        for (int i = 0; i < n; i++) trk_recorder_append(recorder, &samples[i]);
         assert_true(trk_recorder_close(recorder, NULL));
         assert_int_equal(stat(path, n == 10 ? &less : &whole), 0);
     }
     for (off_t size = whole.st_size - 1; size >= less.st_size; size--) {
         struct trk_log back;
         assert_int_equal(truncate(path, size), 0);
-        reads_as(log.samples, 10);
+        reads_as(samples, 10);
         assert_true(trk_log_read(path, &back, error));
         assert_string_equal(back.assumed, size > less.st_size ? "line 13 was cut off and is left out" : "");
         trk_log_finish(&back);
     }
+    free(samples);
     trk_log_finish(&log);
 }
 
@@ -239,6 +252,8 @@ static void full_disk(void **state)
     struct trk_recorder_state after;
     struct rlimit before, small;
     assert_true(trk_synthesise(4, 3, &log));
+    struct trk_sample *samples = samples_of(&log);
+    assert_non_null(samples);
     assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
     small = before;
     small.rlim_cur = 20000;
@@ -246,9 +261,9 @@ static void full_disk(void **state)
     for (int round = 0; round < 2; round++) {
         struct trk_recorder *recorder = open_new();
         assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
-        for (size_t i = 0; i < 10; i++) trk_recorder_append(recorder, &log.samples[i]);
+        for (size_t i = 0; i < 10; i++) trk_recorder_append(recorder, &samples[i]);
         await_written(recorder, 10);
-        for (size_t i = 10; i < 300; i++) trk_recorder_append(recorder, &log.samples[i]);
+        for (size_t i = 10; i < 300; i++) trk_recorder_append(recorder, &samples[i]);
         do {
             sleep_ms(10);
             trk_recorder_look(recorder, &after);
@@ -256,19 +271,20 @@ static void full_disk(void **state)
         assert_true(strstr(after.error, path) && strstr(after.error, "File too large"));
         assert_true(after.written >= 10 && after.written < 300);
         assert_int_equal(after.lost, 0); /* as yet */
-        reads_as(log.samples, after.written);
+        reads_as(samples, after.written);
         if (round == 1) {
             assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
             await_recovery(recorder, 300);
-            for (size_t i = 300; i < log.count; i++) trk_recorder_append(recorder, &log.samples[i]);
+            for (size_t i = 300; i < log.count; i++) trk_recorder_append(recorder, &samples[i]);
         }
         assert_int_equal(trk_recorder_close(recorder, &after), round == 1);
         setrlimit(RLIMIT_FSIZE, &before);
         assert_int_equal(after.lost, round == 1 ? 0 : 300 - after.written);
         if (round == 1) assert_int_equal(after.written, log.count);
-        reads_as(log.samples, after.written);
+        reads_as(samples, after.written);
     }
     signal(SIGXFSZ, SIG_DFL);
+    free(samples);
     trk_log_finish(&log);
 }
 
@@ -303,7 +319,7 @@ static void full_disk_for_long(void **state)
     struct trk_log back;
     if (!trk_log_read(path, &back, error)) fail_msg("%s", error);
     assert_int_equal(back.count, waiting + 1);
-    assert_int_equal(back.samples[waiting].sequence, waiting + 11);
+    assert_int_equal(sample_at(&back, waiting)->sequence, waiting + 11);
     trk_log_finish(&back);
 }
 
@@ -366,15 +382,9 @@ int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, enter, leave)
     const struct CMUnitTest tests[] = {
-        TEST(records_every_field),
-        TEST(is_there_soon),
-        TEST(refuses_impossible_samples),
-        TEST(survives_a_kill),
-        TEST(torn_anywhere),
-        TEST(full_disk),
-        TEST(full_disk_for_long),
-        TEST(counts_what_it_loses),
-        TEST(two_threads),
+        TEST(records_every_field), TEST(is_there_soon),        TEST(refuses_impossible_samples),
+        TEST(survives_a_kill),     TEST(torn_anywhere),        TEST(full_disk),
+        TEST(full_disk_for_long),  TEST(counts_what_it_loses), TEST(two_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

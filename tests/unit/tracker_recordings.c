@@ -6,6 +6,7 @@
 #include <cmocka.h>
 
 #include "tracker.h"
+#include "tracker_samples.h"
 
 #include <cglm/cglm.h>
 #include <math.h>
@@ -86,7 +87,7 @@ static double middle_step_ms(const struct trk_log *log)
     double *steps = malloc(log->count * sizeof *steps), middle;
     assert_non_null(steps);
     for (size_t i = 1; i < log->count; i++)
-        steps[i - 1] = (double)(log->samples[i].device_ns - log->samples[i - 1].device_ns) / 1e6;
+        steps[i - 1] = (double)(sample_at(log, i)->device_ns - sample_at(log, i - 1)->device_ns) / 1e6;
     qsort(steps, log->count - 1, sizeof *steps, by_size);
     middle = steps[(log->count - 1) / 2];
     free(steps);
@@ -96,7 +97,7 @@ static double middle_step_ms(const struct trk_log *log)
 static size_t count(const struct trk_log *log, uint32_t bit)
 {
     size_t n = 0;
-    for (size_t i = 0; i < log->count; i++) n += (log->samples[i].valid & bit) != 0;
+    for (size_t i = 0; i < log->count; i++) n += (sample_at(log, i)->valid & bit) != 0;
     return n;
 }
 
@@ -110,7 +111,8 @@ static void figures_are_those_of_the_files(void **state)
         struct trk_log log;
         snprintf(path, sizeof path, GAZE "%s", want->path);
         read_or_skip(path, &log);
-        double span_s = (double)log.samples[log.count - 1].device_ns / 1e9, step_ms = middle_step_ms(&log);
+        double span_s = (double)sample_at(&log, log.count - 1)->device_ns / 1e9,
+               step_ms = middle_step_ms(&log);
         print_message("%s: %zu rows, %zu lost, %.3f s, steps of %.4g ms\n", want->path, log.count,
                       log.count - count(&log, TRK_DIRECTION), span_s, step_ms);
         assert_string_equal(log.format, want->format);
@@ -185,8 +187,8 @@ static void measure_reflex(const struct trk_log *log, struct reflex *out_reflex)
     size_t n = 0;
     for (int k = 0; k < 4; k++) assert_non_null(steps[k] = malloc(log->count * sizeof(double)));
     for (size_t from = 0, to = 1; to < log->count; to++) {
-        while (log->samples[to].device_ns - log->samples[from].device_ns > 50000000) from++;
-        const struct trk_sample *a = &log->samples[from], *b = &log->samples[to];
+        while (sample_at(log, to)->device_ns - sample_at(log, from)->device_ns > 50000000) from++;
+        const struct trk_sample *a = sample_at(log, from), *b = sample_at(log, to);
         if (!(a->valid & b->valid & TRK_DIRECTION) || b->device_ns - a->device_ns < 40000000) continue;
         double head[2], eye[2] = {yaw_deg(b->direction) - yaw_deg(a->direction),
                                   pitch_deg(b->direction) - pitch_deg(a->direction)};
@@ -242,8 +244,8 @@ static void static_mean_is_the_eyes(void **state)
     struct trk_log log;
     read_or_skip(GAZE "salient360/rawDataStatic1.csv", &log);
     for (size_t i = 0; i < log.count; i++) {
-        assert_true(log.samples[i].direction[2] < -0.7f);
-        assert_true(log.samples[i].eye[0].origin[0] < -0.02f);
+        assert_true(sample_at(&log, i)->direction[2] < -0.7f);
+        assert_true(sample_at(&log, i)->eye[0].origin[0] < -0.02f);
     }
     trk_log_finish(&log);
 }
@@ -257,15 +259,15 @@ static void blink_rolls_down_and_inwards(void **state)
     for (int eye = 0; eye < 2; eye++) {
         uint32_t bit = TRK_LEFT_DIRECTION << 4 * eye;
         size_t lost = 0;
-        while (log.samples[lost].valid & bit) lost++;
-        const float *before = log.samples[lost - 20].eye[eye].direction;
-        const float *last = log.samples[lost - 1].eye[eye].direction;
+        while (sample_at(&log, lost)->valid & bit) lost++;
+        const float *before = sample_at(&log, lost - 20)->eye[eye].direction;
+        const float *last = sample_at(&log, lost - 1)->eye[eye].direction;
         print_message("eye %d: the blink moves it %.2f degrees to the right and %.2f up\n", eye,
                       yaw_deg(last) - yaw_deg(before), pitch_deg(last) - pitch_deg(before));
         assert_true(pitch_deg(last) < pitch_deg(before) - 0.5);
         assert_true((yaw_deg(last) - yaw_deg(before)) * (eye ? -1 : 1) > 0.15);
-        assert_true(log.samples[lost + 10].valid & TRK_LEFT_OPENNESS << 4 * eye);
-        assert_true(log.samples[lost + 10].eye[eye].openness == 0);
+        assert_true(sample_at(&log, lost + 10)->valid & TRK_LEFT_OPENNESS << 4 * eye);
+        assert_true(sample_at(&log, lost + 10)->eye[eye].openness == 0);
     }
     trk_log_finish(&log);
 }
@@ -277,7 +279,7 @@ static void eyes_converge(void **state)
     struct trk_log log;
     read_or_skip(GAZE "pymovements/gazebase_vr_example.csv", &log);
     for (size_t i = 0; i < log.count; i++) {
-        const struct trk_eye *eye = log.samples[i].eye;
+        const struct trk_eye *eye = sample_at(&log, i)->eye;
         assert_true(eye[0].origin[0] < -0.03f && eye[1].origin[0] > 0.03f);
         assert_true(yaw_deg(eye[0].direction) > 3 && yaw_deg(eye[1].direction) < -2);
     }
@@ -319,12 +321,12 @@ static void glasses_lag_behind_the_gyroscope(void **state)
     FILE *imu = fopen(GAZE "pupil-invisible/trampoline_02_imu.csv", "r");
     assert_non_null(imu);
     for (size_t i = 5; i + 5 < log.count; i += 5) {
-        const struct trk_sample *a = &log.samples[i - 5], *b = &log.samples[i + 5];
-        if (!(a->valid & b->valid & log.samples[i].valid & TRK_DIRECTION)) continue;
+        const struct trk_sample *a = sample_at(&log, i - 5), *b = sample_at(&log, i + 5);
+        if (!(a->valid & b->valid & sample_at(&log, i)->valid & TRK_DIRECTION)) continue;
         double seconds = (double)(b->device_ns - a->device_ns) / 1e9;
         double eye = (yaw_deg(b->direction) - yaw_deg(a->direction)) / seconds;
         if (seconds > 0.06 || fabs(eye) > 120) continue;
-        double head = gyro_deg_s(imu, first_ns + (double)log.samples[i].device_ns);
+        double head = gyro_deg_s(imu, first_ns + (double)sample_at(&log, i)->device_ns);
         if (!(fabs(head) > 10 && fabs(head) < 80)) continue;
         hh += head * head;
         he += head * eye;
@@ -349,10 +351,10 @@ static void glasses_agree_with_their_picture(void **state)
     assert_non_null(fgets(line, sizeof line, file));
     for (size_t i = 0; i < log.count; i++) {
         assert_non_null(fgets(line, sizeof line, file));
-        if (!(log.samples[i].valid & TRK_DIRECTION)) continue;
+        if (!(sample_at(&log, i)->valid & TRK_DIRECTION)) continue;
         double x = field(line, 3) - 544, y = field(line, 4) - 544;
-        if (fabs(x) > 100) assert_true(x * yaw_deg(log.samples[i].direction) > 0);
-        if (fabs(y) > 100) assert_true(y * pitch_deg(log.samples[i].direction) < 0);
+        if (fabs(x) > 100) assert_true(x * yaw_deg(sample_at(&log, i)->direction) > 0);
+        if (fabs(y) > 100) assert_true(y * pitch_deg(sample_at(&log, i)->direction) < 0);
     }
     fclose(file);
     trk_log_finish(&log);

@@ -4,7 +4,9 @@
 #include <stddef.h>
 #include <cmocka.h>
 
+#include "log/samples.h"
 #include "tracker.h"
+#include "tracker_samples.h"
 #include "tracker_write.h"
 
 #include <math.h>
@@ -27,8 +29,10 @@ static int write_log(void **state)
     struct trk_log log;
     if (!trk_synthesise(3, COUNT / 120.0, &log)) return -1;
     for (size_t i = 0; i < COUNT; i++) {
-        log.samples[i].device_ns = log.samples[i].arrival_ns = times[i];
-        log.samples[i].sequence = i < 2 ? 11 + i : 12 + i;
+        struct trk_sample sample = *sample_at(&log, i);
+        sample.device_ns = sample.arrival_ns = times[i];
+        sample.sequence = i < 2 ? 11 + i : 12 + i;
+        if (!trk_samples_put(&log, i, &sample)) return -1;
     }
     bool ok = written(&log, path);
     trk_log_finish(&log);

@@ -5,6 +5,7 @@
 #include <cmocka.h>
 
 #include "tracker.h"
+#include "tracker_samples.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -38,7 +39,7 @@ static void measure_reflex(const struct trk_log *log, double *out_slope, double 
     double sum_hh = 0, sum_he = 0;
     int bins[BINS] = {0}, count = 0;
     for (size_t i = STEP; i < log->count; i++) {
-        const struct trk_sample *a = &log->samples[i - STEP], *b = &log->samples[i];
+        const struct trk_sample *a = sample_at(log, i - STEP), *b = sample_at(log, i);
         struct trk_sample ahead_a = *a, ahead_b = *b;
         float world_a[3], world_b[3], head_a[3], head_b[3];
         if (!trk_world_direction(a, world_a) || !trk_world_direction(b, world_b)) continue;
@@ -69,7 +70,7 @@ static void real_recording(const char *path, size_t rows, size_t valid, double s
     assert_int_equal(log.count, rows);
     size_t directions = 0;
     for (size_t i = 0; i < log.count; i++) {
-        const struct trk_sample *sample = &log.samples[i];
+        const struct trk_sample *sample = sample_at(&log, i);
         directions += (sample->valid & TRK_DIRECTION) != 0;
         assert_true(sample->valid & TRK_HEAD);
         if (sample->valid & TRK_LEFT_ORIGIN) assert_true(sample->eye[0].origin[0] < -0.02f);
@@ -77,8 +78,8 @@ static void real_recording(const char *path, size_t rows, size_t valid, double s
         if (sample->valid & TRK_DIRECTION) assert_true(sample->direction[2] < -0.5f);
     }
     assert_int_equal(directions, valid);
-    const struct trk_sample *last = &log.samples[log.count - 1];
-    assert_int_equal(log.samples[0].device_ns, 0);
+    const struct trk_sample *last = sample_at(&log, log.count - 1);
+    assert_int_equal(sample_at(&log, 0)->device_ns, 0);
     assert_float_equal((double)last->device_ns / 1e9, seconds, 1e-9);
     assert_float_equal((double)last->arrival_ns / 1e9, seconds, 0.005);
     assert_float_equal((double)(log.count - 1) / seconds, 120, 0.1);
@@ -180,24 +181,24 @@ static void frames_and_units(void **state)
              "10;4;1;" EYES("31", "31") "0;0.6;0.8;0;0.6;0.8;False;1;2;3;0;0;90\r\n"
                                         "11;5;1;" EYES("31", "31") GAZE_AHEAD "1;2;3;30;90;45\r\n",
              &log);
-    assert_vector(log.samples[0].direction, -0.6, 0, -0.8);
-    assert_vector(log.samples[0].eye[0].origin, -0.030, 0.001, 0.002);
-    assert_vector(log.samples[0].eye[1].origin, 0.034, 0.003, 0.002);
-    assert_vector(log.samples[0].origin, 0.002, 0.002, 0.002);
-    assert_vector(log.samples[0].head, 1, 2, -3);
-    assert_float_equal(log.samples[0].eye[1].openness, 0.5, 0);
-    assert_float_equal(log.samples[0].eye[1].pupil_mm, 4, 0);
-    assert_int_equal(log.samples[0].valid, 0xff7);
+    assert_vector(sample_at(&log, 0)->direction, -0.6, 0, -0.8);
+    assert_vector(sample_at(&log, 0)->eye[0].origin, -0.030, 0.001, 0.002);
+    assert_vector(sample_at(&log, 0)->eye[1].origin, 0.034, 0.003, 0.002);
+    assert_vector(sample_at(&log, 0)->origin, 0.002, 0.002, 0.002);
+    assert_vector(sample_at(&log, 0)->head, 1, 2, -3);
+    assert_float_equal(sample_at(&log, 0)->eye[1].openness, 0.5, 0);
+    assert_float_equal(sample_at(&log, 0)->eye[1].pupil_mm, 4, 0);
+    assert_int_equal(sample_at(&log, 0)->valid, 0xff7);
     /* Unity: a positive angle about Y turns to the right, about X looks down, about Z tilts the head to the
      * left. */
-    assert_true(trk_world_direction(&log.samples[1], world));
+    assert_true(trk_world_direction(sample_at(&log, 1), world));
     assert_vector(world, 0.8, 0.6, 0);
-    assert_true(trk_world_direction(&log.samples[2], world));
+    assert_true(trk_world_direction(sample_at(&log, 2), world));
     assert_vector(world, 0, -0.5, -cos(M_PI / 6));
-    assert_true(trk_world_direction(&log.samples[3], world));
+    assert_true(trk_world_direction(sample_at(&log, 3), world));
     assert_vector(world, -0.6, 0, -0.8);
     /* Down, then right: the roll first of all does nothing to straight ahead. */
-    assert_true(trk_world_direction(&log.samples[4], world));
+    assert_true(trk_world_direction(sample_at(&log, 4), world));
     assert_vector(world, cos(M_PI / 6), -0.5, 0);
     trk_log_finish(&log);
 }
@@ -220,14 +221,14 @@ static void validity(void **state)
                                          "31",
                                          "29") "0;0;1;NaN;;x;False;" HEAD_AHEAD, /* not valid, not read */
         &log);
-    assert_int_equal(log.samples[0].valid & (TRK_DIRECTION | TRK_LEFT_DIRECTION | TRK_RIGHT_DIRECTION),
+    assert_int_equal(sample_at(&log, 0)->valid & (TRK_DIRECTION | TRK_LEFT_DIRECTION | TRK_RIGHT_DIRECTION),
                      TRK_DIRECTION | TRK_LEFT_DIRECTION);
-    assert_true(log.samples[0].valid & TRK_RIGHT_OPENNESS);
-    assert_false(log.samples[0].valid & TRK_RIGHT_PUPIL);
-    assert_vector(log.samples[0].direction, -0.6, 0, -0.8);
-    assert_int_equal(log.samples[1].valid, TRK_HEAD | TRK_LEFT_OPENNESS);
-    assert_false(log.samples[2].valid & (TRK_DIRECTION | TRK_LEFT_DIRECTION | TRK_RIGHT_DIRECTION));
-    assert_vector(log.samples[3].direction, 0, 0, -1);
+    assert_true(sample_at(&log, 0)->valid & TRK_RIGHT_OPENNESS);
+    assert_false(sample_at(&log, 0)->valid & TRK_RIGHT_PUPIL);
+    assert_vector(sample_at(&log, 0)->direction, -0.6, 0, -0.8);
+    assert_int_equal(sample_at(&log, 1)->valid, TRK_HEAD | TRK_LEFT_OPENNESS);
+    assert_false(sample_at(&log, 2)->valid & (TRK_DIRECTION | TRK_LEFT_DIRECTION | TRK_RIGHT_DIRECTION));
+    assert_vector(sample_at(&log, 3)->direction, 0, 0, -1);
     trk_log_finish(&log);
 }
 
@@ -242,9 +243,9 @@ static void clocks(void **state)
     static const uint64_t ms[] = {0, 16, 16, 2147483655, 2147483663},
                           ns[] = {0, 10000, 10000, 100000, 200000}, sequence[] = {1, 2, 3, 5, 6};
     for (int i = 0; i < 5; i++) {
-        assert_int_equal(log.samples[i].device_ns, ms[i] * 1000000);
-        assert_int_equal(log.samples[i].arrival_ns, ns[i]);
-        assert_int_equal(log.samples[i].sequence, sequence[i]);
+        assert_int_equal(sample_at(&log, i)->device_ns, ms[i] * 1000000);
+        assert_int_equal(sample_at(&log, i)->arrival_ns, ns[i]);
+        assert_int_equal(sample_at(&log, i)->sequence, sequence[i]);
     }
     trk_log_finish(&log);
 }
@@ -257,9 +258,11 @@ static void missing_numbers(void **state)
     accepted(HEADER "7;1;1;" EYES("31", "31") "nan;0;1;0;0;1;False;" HEAD_AHEAD "8;2;2;" EYES("31", "#N/A")
                  GAZE_AHEAD HEAD_AHEAD "9;3;3;" EYES("31", "31") GAZE_AHEAD "1;2;3;0;-nan(ind);0\r\n",
              &log);
-    assert_int_equal(log.samples[0].valid & (TRK_LEFT_DIRECTION | TRK_RIGHT_DIRECTION), TRK_RIGHT_DIRECTION);
-    assert_int_equal(log.samples[1].valid & (TRK_LEFT_DIRECTION | TRK_RIGHT_DIRECTION), TRK_LEFT_DIRECTION);
-    assert_int_equal(log.samples[2].valid & (TRK_DIRECTION | TRK_HEAD), TRK_DIRECTION);
+    assert_int_equal(sample_at(&log, 0)->valid & (TRK_LEFT_DIRECTION | TRK_RIGHT_DIRECTION),
+                     TRK_RIGHT_DIRECTION);
+    assert_int_equal(sample_at(&log, 1)->valid & (TRK_LEFT_DIRECTION | TRK_RIGHT_DIRECTION),
+                     TRK_LEFT_DIRECTION);
+    assert_int_equal(sample_at(&log, 2)->valid & (TRK_DIRECTION | TRK_HEAD), TRK_DIRECTION);
     trk_log_finish(&log);
 }
 
@@ -269,12 +272,12 @@ static void clocks_that_stand(void **state)
     (void)state;
     struct trk_log log;
     accepted(HEADER ROW("638342802882596202", "50", "5") ROW("638342802882679535", "50", "6"), &log);
-    assert_int_equal(log.samples[1].device_ns, 8333300);
+    assert_int_equal(sample_at(&log, 1)->device_ns, 8333300);
     assert_non_null(strstr(log.assumed, "time_stamp(ms) stands still: time is by time(100ns)"));
     trk_log_finish(&log);
     accepted(HEADER ROW("6.38343E+17", "50", "5") ROW("6.38343E+17", "58", "6"), &log);
-    assert_int_equal(log.samples[1].device_ns, 8000000);
-    assert_int_equal(log.samples[1].arrival_ns, 8000000);
+    assert_int_equal(sample_at(&log, 1)->device_ns, 8000000);
+    assert_int_equal(sample_at(&log, 1)->arrival_ns, 8000000);
     assert_non_null(strstr(log.assumed, "time(100ns) stands still: time is by time_stamp(ms)"));
     trk_log_finish(&log);
     refused(HEADER ROW("7", "50", "5") ROW("7", "50", "6"), ": ", "time_stamp(ms) stands still");

@@ -6,6 +6,7 @@
 
 #include "source/observer.h"
 #include "tracker.h"
+#include "tracker_samples.h"
 
 #include <math.h>
 #include <string.h>
@@ -19,9 +20,9 @@ static void same_seed_same_samples(void **state)
     assert_true(trk_synthesise(6, 30, &c));
     assert_int_equal(a.count, 3600);
     assert_string_equal(a.format, "synthetic");
-    assert_memory_equal(a.samples, b.samples, a.count * sizeof *a.samples);
-    assert_memory_not_equal(a.samples, c.samples, a.count * sizeof *a.samples);
-    assert_int_equal(a.samples[120].device_ns, 1000000000);
+    assert_true(same_samples(&a, &b));
+    assert_false(same_samples(&a, &c));
+    assert_int_equal(sample_at(&a, 120)->device_ns, 1000000000);
     trk_log_finish(&a);
     trk_log_finish(&b);
     trk_log_finish(&c);
@@ -55,9 +56,9 @@ static void source_is_the_same_observer(void **state)
         if (!source) fail_msg("%s", error);
         struct trk_sample sample;
         for (size_t i = 0; i < (kind == FINITE ? 240 : 480); i++) {
-            struct trk_sample expected = log.samples[kind == LOOPED ? i % 240 : i];
+            struct trk_sample expected = *sample_at(&log, kind == LOOPED ? i % 240 : i);
             expected.sequence = i + 1;
-            expected.device_ns = expected.arrival_ns = log.samples[i].device_ns;
+            expected.device_ns = expected.arrival_ns = sample_at(&log, i)->device_ns;
             if (i > 0)
                 assert_int_equal(trk_read(source, expected.device_ns - 1, &sample, error), TRK_TIMEOUT);
             assert_int_equal(trk_read(source, expected.device_ns, &sample, error), TRK_SAMPLE);

@@ -7,6 +7,7 @@
 #include <cmocka.h>
 
 #include "tracker.h"
+#include "tracker_samples.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -72,8 +73,8 @@ static void is(size_t i, double ms, double yaw, double pitch)
 {
     float d[3];
     assert_true(i < log_read.count);
-    assert_float_equal((double)log_read.samples[i].device_ns / 1e6, ms, 1e-6);
-    assert_true(trk_world_direction(&log_read.samples[i], d));
+    assert_float_equal((double)sample_at(&log_read, i)->device_ns / 1e6, ms, 1e-6);
+    assert_true(trk_world_direction(sample_at(&log_read, i), d));
     assert_float_equal(atan2(d[0], -d[2]) * 180 / M_PI, yaw, 0.06);
     assert_float_equal(asin(d[1]) * 180 / M_PI, pitch, 0.06);
 }
@@ -81,8 +82,8 @@ static void is(size_t i, double ms, double yaw, double pitch)
 static void lost(size_t i, double ms)
 {
     assert_true(i < log_read.count);
-    assert_float_equal((double)log_read.samples[i].device_ns / 1e6, ms, 1e-6);
-    assert_false(log_read.samples[i].valid & TRK_DIRECTION);
+    assert_float_equal((double)sample_at(&log_read, i)->device_ns / 1e6, ms, 1e-6);
+    assert_false(sample_at(&log_read, i)->valid & TRK_DIRECTION);
 }
 
 /* --- Tobii Pro Lab -------------------------------------------------------------------------------------- */
@@ -110,7 +111,7 @@ static void tobii_glasses_without_units(void **state)
     is(0, 0, 10, 0);
     is(1, 20, 0, 10);
     lost(2, 40);
-    assert_float_equal(log_read.samples[0].eye[0].origin[0], -0.028, 1e-6);
+    assert_float_equal(sample_at(&log_read, 0)->eye[0].origin[0], -0.028, 1e-6);
     assert_non_null(strstr(log_read.assumed, "other sensors, skipped: 3"));
 }
 
@@ -169,9 +170,9 @@ static void gazepoint_joins_its_media(void **state)
     is(2, 520, 0, 10);
     lost(3, 553.33);
     is(4, 553.33, 0, 0); /* a little back is no beginning */
-    assert_int_equal(log_read.samples[2].sequence, 3);
-    assert_int_equal(log_read.samples[3].sequence, 5); /* one was lost */
-    assert_true(log_read.samples[4].arrival_ns == 573330000);
+    assert_int_equal(sample_at(&log_read, 2)->sequence, 3);
+    assert_int_equal(sample_at(&log_read, 3)->sequence, 5); /* one was lost */
+    assert_true(sample_at(&log_read, 4)->arrival_ns == 573330000);
     /* Without ticks nobody knows how long it was; nor when they go back with it. */
     refused("CNT,TIME,FPOGX,FPOGY,FPOGV\n0,5,0.5,0.5,1\n1,0,0.5,0.5,1\n", "time goes back by 5 s");
     refused(GAZEPOINT "0,5,50,0,0,0,0,0,0,\"\"\n1,0,40,0,0,0,0,0,0,\"\"\n", "time goes back by 5 s");
@@ -213,8 +214,8 @@ static void roll_of_360_em(void **state)
           "0,1013.333,540,1,960,540,90\n",
           NULL, "the head's tilt to the left");
     is(0, 0, 10, 0);
-    assert_float_equal(log_read.samples[0].direction[0], 0, 1e-3);
-    assert_float_equal(log_read.samples[0].direction[1], -sin(10 * M_PI / 180), 1e-3);
+    assert_float_equal(sample_at(&log_read, 0)->direction[0], 0, 1e-3);
+    assert_float_equal(sample_at(&log_read, 0)->direction[1], -sin(10 * M_PI / 180), 1e-3);
 }
 
 /* --- BIDS ----------------------------------------------------------------------------------------------- */
@@ -240,7 +241,7 @@ static void bids_screens_are_in_the_events(void **state)
     is(0, 0, 10, 0);
     is(1, 1, 0, -10);
     assert_null(strstr(log_read.assumed, "corner"));
-    assert_true(log_read.samples[0].valid & TRK_RIGHT_DIRECTION);
+    assert_true(sample_at(&log_read, 0)->valid & TRK_RIGHT_DIRECTION);
     spill(other[1], EVENTS("[\"bottom\", \"right\"]"));
     reads(rows, NULL, "");
     is(0, 0, -10, 0);
@@ -315,7 +316,7 @@ static void pupil_core_2d_among_3d(void **state)
     reads(text, NULL, "through a scene camera 58.1 degrees wide, as the other rows show it");
     assert_int_equal(log_read.count, 13);
     is(12, 120, 10, 0);
-    assert_int_equal(log_read.samples[12].valid & (TRK_LEFT_DIRECTION | TRK_RIGHT_DIRECTION),
+    assert_int_equal(sample_at(&log_read, 12)->valid & (TRK_LEFT_DIRECTION | TRK_RIGHT_DIRECTION),
                      TRK_RIGHT_DIRECTION);
 }
 
@@ -457,7 +458,7 @@ static void bids_inherits(void **state)
     spill(file[2], "{\"RecordedEye\": \"right\", \"x_coordinate\": {\"Units\": \"deg\"}}");
     if (!trk_log_read(table, &log_read, error)) fail_msg("%s", error);
     is(1, 4, 10, 5);
-    assert_int_equal(log_read.samples[0].valid & (TRK_LEFT_DIRECTION | TRK_RIGHT_DIRECTION),
+    assert_int_equal(sample_at(&log_read, 0)->valid & (TRK_LEFT_DIRECTION | TRK_RIGHT_DIRECTION),
                      TRK_RIGHT_DIRECTION);
     assert_true(trk_log_is_from(&log_read, file[0]) && trk_log_is_from(&log_read, file[2]));
     assert_true(trk_log_is_from(&log_read, file[1]));

@@ -35,16 +35,17 @@ static bool write_rows(FILE *table, const struct trk_log *log, bool with_pupil)
     bool ok = file != NULL;
     if (!file && fd >= 0) close(fd);
     for (size_t i = 0; i < log->count && ok; i++) {
-        const struct trk_sample *sample = &log->samples[i];
+        struct trk_sample sample;
         float d[3];
-        ok = gzprintf(file, "%llu.%09llu", (unsigned long long)(sample->device_ns / 1000000000),
-                      (unsigned long long)(sample->device_ns % 1000000000)) > 0;
-        if (trk_world_direction(sample, d))
+        trk_log_sample(log, i, &sample);
+        ok = gzprintf(file, "%llu.%09llu", (unsigned long long)(sample.device_ns / 1000000000),
+                      (unsigned long long)(sample.device_ns % 1000000000)) > 0;
+        if (trk_world_direction(&sample, d))
             ok &= gzprintf(file, "\t%.5f\t%.5f", atan2((double)d[0], (double)-d[2]) * 180 / M_PI,
                            asin(fmin(fmax((double)d[1], -1), 1)) * 180 / M_PI) > 0;
         else
             ok &= gzputs(file, "\tn/a\tn/a") > 0;
-        double pupil = pupil_mm(sample);
+        double pupil = pupil_mm(&sample);
         if (with_pupil) ok &= (isnan(pupil) ? gzputs(file, "\tn/a") : gzprintf(file, "\t%.4f", pupil)) > 0;
         ok &= gzputc(file, '\n') == '\n';
     }
@@ -52,22 +53,24 @@ static bool write_rows(FILE *table, const struct trk_log *log, bool with_pupil)
 }
 
 /* The eye that the gaze is of, if it is of one alone. */
-static const char *recorded_eye(const struct trk_log *log)
+static const char *recorded_eye(uint32_t seen)
 {
-    uint32_t seen = 0;
-    for (size_t i = 0; i < log->count; i++) seen |= log->samples[i].valid;
     bool left = seen & TRK_LEFT_DIRECTION, right = seen & TRK_RIGHT_DIRECTION;
     return left == right ? "cyclopean" : left ? "left" : "right";
 }
 
-static bool write_sidecar(FILE *file, const struct trk_log *log, double rate_hz, bool with_pupil)
+static bool write_sidecar(FILE *file, const struct trk_log *log, uint32_t seen, bool with_pupil)
 {
-    bool in_world = log->samples[0].valid & TRK_HEAD;
+    struct trk_sample first;
+    struct trk_rate rate;
+    trk_log_sample(log, 0, &first);
+    trk_log_rate(log, &rate);
+    bool in_world = first.valid & TRK_HEAD;
     json_t *root =
         json_pack("{s:s, s:s, s:s, s:f, s:f, s:s, s:[s,s,s], s:{s:s, s:s}, s:{s:s, s:s}, s:{s:s, s:s}}",
-                  "PhysioType", "eyetrack", "RecordedEye", recorded_eye(log), "SampleCoordinateSystem",
-                  in_world ? "gaze-in-world" : "eye-in-head", "SamplingFrequency", round(rate_hz * 1e3) / 1e3,
-                  "StartTime", (double)log->samples[0].device_ns / 1e9, "Description",
+                  "PhysioType", "eyetrack", "RecordedEye", recorded_eye(seen), "SampleCoordinateSystem",
+                  in_world ? "gaze-in-world" : "eye-in-head", "SamplingFrequency", round(rate.hz * 1e3) / 1e3,
+                  "StartTime", (double)first.device_ns / 1e9, "Description",
                   "Converted by fovead from a log of its own or another format.", "Columns", "timestamp",
                   "x_coordinate", "y_coordinate", "timestamp", "Description",
                   "time of the sample on the tracker's clock", "Units", "s", "x_coordinate", "Description",
@@ -87,13 +90,10 @@ static bool write_sidecar(FILE *file, const struct trk_log *log, double rate_hz,
 
 bool trk_log_print_bids(const struct trk_log *log, FILE *table, FILE *sidecar, char out_error[TRK_ERROR_SIZE])
 {
-    struct trk_rate rate;
-    bool with_pupil = false;
+    const uint32_t seen = trk_log_seen(log);
+    const bool with_pupil = seen & (TRK_LEFT_PUPIL | TRK_RIGHT_PUPIL);
     if (log->count == 0) return trk_fail(out_error, "no samples to write, expected at least one");
-    for (size_t i = 0; i < log->count && !with_pupil; i++) with_pupil = !isnan(pupil_mm(&log->samples[i]));
     errno = 0;
-    if (trk_log_rate(log, &rate) && write_sidecar(sidecar, log, rate.hz, with_pupil) &&
-        write_rows(table, log, with_pupil))
-        return true;
+    if (write_sidecar(sidecar, log, seen, with_pupil) && write_rows(table, log, with_pupil)) return true;
     return trk_fail(out_error, "cannot be written: %s", errno ? strerror(errno) : "no memory");
 }

@@ -2,6 +2,7 @@
 #include "log/log.h"
 
 #include "error.h"
+#include "log/samples.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -47,16 +48,21 @@ static const double coarsest_ns = 5e7, exact_ns = 1e6;
 
 enum kind { RUNS, STANDS, COARSE };
 
-static uint64_t time_of(const struct trk_sample *sample, int clock)
+static uint64_t time_of(const struct trk_log *log, size_t i, int clock)
 {
-    return clock ? sample->arrival_ns : sample->device_ns;
+    struct trk_sample sample;
+    if (clock == 0) return trk_log_time(log, i);
+    trk_log_sample(log, i, &sample);
+    return sample.arrival_ns;
 }
 
 static enum kind judge(const struct trk_log *log, int clock)
 {
     size_t still = 0, far = 0, steps = log->count - 1;
-    for (size_t i = 0; i < steps; i++) {
-        uint64_t step_ns = time_of(&log->samples[i + 1], clock) - time_of(&log->samples[i], clock);
+    uint64_t last_ns = time_of(log, 0, clock);
+    for (size_t i = 1; i < log->count; i++) {
+        const uint64_t time_ns = time_of(log, i, clock), step_ns = time_ns - last_ns;
+        last_ns = time_ns;
         still += step_ns == 0;
         far += step_ns >= coarse_ns;
     }
@@ -77,11 +83,21 @@ static bool fail(const struct trk_reading *reading, enum kind kind, char out_err
                     why);
 }
 
-/* Arrival of the log's first sample is not always 0. */
-static void take_arrival(struct trk_log *log)
+/* Take arrival for device time, or else device time for arrival. Arrival of the log's first sample is not
+ * always 0. False when memory is short. */
+static bool take_clock(struct trk_log *log, bool is_arrival)
 {
-    const uint64_t first_ns = log->samples[0].arrival_ns;
-    for (size_t i = 0; i < log->count; i++) log->samples[i].device_ns = log->samples[i].arrival_ns - first_ns;
+    const uint64_t first_ns = time_of(log, 0, 1);
+    for (size_t i = 0; i < log->count; i++) {
+        struct trk_sample sample;
+        trk_log_sample(log, i, &sample);
+        if (is_arrival)
+            sample.device_ns = sample.arrival_ns - first_ns;
+        else
+            sample.arrival_ns = sample.device_ns;
+        if (!trk_samples_put(log, i, &sample)) return false;
+    }
+    return true;
 }
 
 bool trk_check_clocks(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
@@ -97,14 +113,10 @@ bool trk_check_clocks(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE
                    reading->exponent_step_ns / 1e6, reading->exponent_time);
     const enum kind host = names[1] ? judge(log, 1) : device;
     if (device != RUNS && host != RUNS) return fail(reading, device, out_error);
-    if (device != RUNS) {
-        take_arrival(log);
-        trk_assume(reading, "%.60s %s: time is by %.60s", names[0],
-                   device == STANDS ? "stands still" : "is rounded", names[1]);
-    } else if (host != RUNS) {
-        for (size_t i = 0; i < log->count; i++) log->samples[i].arrival_ns = log->samples[i].device_ns;
-        trk_assume(reading, "%.60s %s: time is by %.60s", names[1],
-                   host == STANDS ? "stands still" : "is rounded", names[0]);
-    }
+    if (device == RUNS && host == RUNS) return true;
+    const bool by_host = device != RUNS;
+    if (!take_clock(log, by_host)) return trk_fail(out_error, "%.200s: no memory", reading->lines.path);
+    trk_assume(reading, "%.60s %s: time is by %.60s", names[!by_host],
+               (by_host ? device : host) == STANDS ? "stands still" : "is rounded", names[by_host]);
     return true;
 }

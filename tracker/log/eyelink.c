@@ -16,7 +16,9 @@
  * out. A closed eye is marked by openness 0; outside of blinks nothing is said about it. Only GAZE samples
  * have a place on the screen: files with HREF or PUPIL ones are refused. Between recordings (START to END)
  * time goes on and no sample is lost. */
+#include "error.h"
 #include "log/formats.h"
+#include "log/samples.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -249,18 +251,23 @@ static bool init_plane(struct reader *reader, const struct segment *segment, con
     return true;
 }
 
-static void turn_segment(struct reader *reader, const struct trk_plane *plane, size_t first, size_t end)
+static bool turn_segment(struct reader *reader, const struct trk_plane *plane, size_t first, size_t end,
+                         char out_error[TRK_ERROR_SIZE])
 {
     struct trk_log *log = reader->reading->log;
     for (size_t i = first; i < end; i++) {
-        struct trk_sample *sample = &log->samples[i];
+        struct trk_sample sample;
+        trk_log_sample(log, i, &sample);
         for (int eye = 0; eye < 2; eye++) {
-            float *direction = sample->eye[eye].direction;
-            if (sample->valid & TRK_LEFT_DIRECTION << 4 * eye)
+            float *direction = sample.eye[eye].direction;
+            if (sample.valid & TRK_LEFT_DIRECTION << 4 * eye)
                 trk_plane_direction(plane, direction[0], direction[1], direction);
         }
-        reader->reading->eyes_mean += trk_combine(sample);
+        reader->reading->eyes_mean += trk_combine(&sample);
+        if (!trk_samples_put(log, i, &sample))
+            return trk_fail(out_error, "%s: no memory", reader->reading->lines.path);
     }
+    return true;
 }
 
 /* From pixels to directions, now that all is known. */
@@ -288,8 +295,9 @@ static bool turn_samples(struct reader *reader, char out_error[TRK_ERROR_SIZE])
         if (!init_plane(reader, segment, isnan(segment->resolution[0]) ? mean : segment->resolution, false,
                         &plane, out_error))
             return false;
-        turn_segment(reader, &plane, segment->first,
-                     is_last ? reader->reading->log->count : segment[1].first);
+        if (!turn_segment(reader, &plane, segment->first,
+                          is_last ? reader->reading->log->count : segment[1].first, out_error))
+            return false;
     }
     return true;
 }

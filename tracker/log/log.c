@@ -4,6 +4,7 @@
 #include "error.h"
 #include "log/formats.h"
 #include "log/own.h"
+#include "log/samples.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -62,61 +63,85 @@ static bool append(struct trk_reading *reading, const struct trk_sample *sample,
     if (log->count == TRK_MAX_ROWS)
         return trk_lines_fail(&reading->lines, out_error, "is one row too many, expected at most %d",
                               TRK_MAX_ROWS);
-    if (log->count == reading->capacity) {
-        size_t grown = reading->capacity ? reading->capacity * 2 : 1024;
-        struct trk_sample *samples = realloc(log->samples, grown * sizeof *samples);
-        if (!samples) return trk_lines_fail(&reading->lines, out_error, "no memory for %zu samples", grown);
-        log->samples = samples;
-        reading->capacity = grown;
-    }
-    log->samples[log->count++] = *sample;
+    if (!trk_samples_add(log, sample))
+        return trk_lines_fail(&reading->lines, out_error, "no memory for more than %zu samples", log->count);
+    reading->last_ns = sample->device_ns;
+    reading->last_arrival_ns = sample->arrival_ns;
+    reading->last_sequence = sample->sequence;
     return true;
 }
 
 bool trk_log_append(struct trk_reading *reading, const struct trk_sample *sample,
                     char out_error[TRK_ERROR_SIZE])
 {
-    const struct trk_log *log = reading->log;
-    const struct trk_sample *last = log->count ? &log->samples[log->count - 1] : NULL;
     uint64_t slack = reading->disordered ? TRK_MAX_DISORDER_NS : 0;
-    if (last && sample->device_ns + slack < last->device_ns)
+    if (sample->device_ns + slack < reading->last_ns)
         return trk_lines_fail(&reading->lines, out_error, "device time goes back by %llu ns, expected %s",
-                              (unsigned long long)(last->device_ns - sample->device_ns),
+                              (unsigned long long)(reading->last_ns - sample->device_ns),
                               slack ? "less than a second" : "it never to");
-    if (last && sample->arrival_ns + slack < last->arrival_ns)
+    if (sample->arrival_ns + slack < reading->last_arrival_ns)
         return trk_lines_fail(&reading->lines, out_error,
                               "arrival time goes back by %llu ns, expected it never to",
-                              (unsigned long long)(last->arrival_ns - sample->arrival_ns));
-    if (sample->sequence <= (last ? last->sequence : 0))
+                              (unsigned long long)(reading->last_arrival_ns - sample->arrival_ns));
+    if (sample->sequence <= reading->last_sequence)
         return trk_lines_fail(&reading->lines, out_error, "sequence %llu, expected more than %llu",
                               (unsigned long long)sample->sequence,
-                              (unsigned long long)(last ? last->sequence : 0));
-    if (last && sample->device_ns < last->device_ns) reading->late++;
+                              (unsigned long long)reading->last_sequence);
+    if (sample->device_ns < reading->last_ns) reading->late++;
     return append(reading, sample, out_error);
 }
 
+/* Where a sample is, and when it was. */
+struct moment {
+    uint64_t device_ns;
+    size_t place;
+};
+
 static int by_time(const void *a, const void *b)
 {
-    const struct trk_sample *x = a, *y = b;
+    const struct moment *x = a, *y = b;
     if (x->device_ns != y->device_ns) return x->device_ns > y->device_ns ? 1 : -1;
-    return (x->sequence > y->sequence) - (x->sequence < y->sequence);
+    return (x->place > y->place) - (x->place < y->place);
 }
 
-/* Sort a disordered log, whose times start at TRK_MAX_DISORDER_NS so that none is below 0, and count anew. */
-static void put_in_order(struct trk_reading *reading)
+/* Samples of the same time stay as they are. False when memory is short. */
+static bool sort(struct trk_log *log)
+{
+    struct moment *moments = malloc(log->count * sizeof *moments);
+    struct trk_log sorted = {0};
+    bool ok = moments != NULL;
+    for (size_t i = 0; i < log->count && ok; i++) moments[i] = (struct moment){trk_log_time(log, i), i};
+    if (ok) qsort(moments, log->count, sizeof *moments, by_time);
+    for (size_t i = 0; i < log->count && ok; i++) {
+        struct trk_sample sample;
+        trk_log_sample(log, moments[i].place, &sample);
+        ok = trk_samples_add(&sorted, &sample);
+    }
+    free(moments);
+    trk_samples_destroy(ok ? log->samples : sorted.samples);
+    if (ok) log->samples = sorted.samples;
+    return ok;
+}
+
+/* Sort a disordered log, whose times start at TRK_MAX_DISORDER_NS so that none is below 0, and count anew.
+ * False when memory is short. */
+static bool put_in_order(struct trk_reading *reading)
 {
     struct trk_log *log = reading->log;
-    if (!reading->disordered || log->count == 0) return;
     if (reading->late) {
-        qsort(log->samples, log->count, sizeof *log->samples, by_time);
+        if (!sort(log)) return false;
         trk_assume(reading, "rows out of order, sorted by time: %zu", reading->late);
     }
-    uint64_t first_ns = log->samples[0].device_ns;
+    const uint64_t first_ns = trk_log_time(log, 0);
     for (size_t i = 0; i < log->count; i++) {
-        log->samples[i].device_ns -= first_ns;
-        log->samples[i].arrival_ns = log->samples[i].device_ns;
-        log->samples[i].sequence = i + 1;
+        struct trk_sample sample;
+        trk_log_sample(log, i, &sample);
+        sample.device_ns -= first_ns;
+        sample.arrival_ns = sample.device_ns;
+        sample.sequence = i + 1;
+        if (!trk_samples_put(log, i, &sample)) return false;
     }
+    return true;
 }
 
 /* --- which format --------------------------------------------------------------------------------------- */
@@ -260,8 +285,9 @@ static bool read_reading(struct trk_reading *reading, char out_error[TRK_ERROR_S
     if (!reading->format->read(reading, out_error)) return false;
     if (reading->log->count == 0)
         return trk_fail(out_error, "%s: holds no samples, expected at least one row after the header", path);
-    put_in_order(reading);
+    if (reading->disordered && !put_in_order(reading)) return trk_fail(out_error, "%s: no memory", path);
     if (!trk_check_clocks(reading, out_error)) return false;
+    if (!trk_samples_pack(reading->log)) return trk_fail(out_error, "%s: no memory", path);
     if (reading->eyes_mean)
         trk_assume(reading, "%s",
                    reading->format->says_mean ? reading->format->says_mean : "gaze is the mean of the eyes");
@@ -320,6 +346,6 @@ bool trk_log_read(const char *path, struct trk_log *out_log, char out_error[TRK_
 
 void trk_log_finish(struct trk_log *log)
 {
-    free(log->samples);
+    trk_samples_destroy(log->samples);
     *log = (struct trk_log){0};
 }

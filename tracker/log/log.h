@@ -105,7 +105,7 @@ struct trk_reading {
     char separator;               /* that a line sep=; before the header names; 0: none does */
     const struct trk_log_format *format;
     struct trk_log *log;
-    size_t capacity; /* of log->samples */
+    uint64_t last_ns, last_arrival_ns, last_sequence; /* of the sample that was appended last; 0: none was */
     /* Set by a format whose rows may come out of order by up to TRK_MAX_DISORDER_NS; they are sorted in the
      * end. */
     bool disordered;

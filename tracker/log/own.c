@@ -272,9 +272,11 @@ size_t trk_own_row(const struct trk_sample *sample, bool with_screen, char out_t
 void trk_log_print(const struct trk_log *log, FILE *file)
 {
     char text[TRK_OWN_SIZE];
-    bool with_screen = false;
-    for (size_t i = 0; i < log->count; i++) with_screen |= (log->samples[i].valid & TRK_SCREEN) != 0;
+    const bool with_screen = trk_log_seen(log) & TRK_SCREEN;
     fwrite(text, 1, trk_own_header(with_screen, text), file);
-    for (size_t i = 0; i < log->count; i++)
-        fwrite(text, 1, trk_own_row(&log->samples[i], with_screen, text), file);
+    for (size_t i = 0; i < log->count; i++) {
+        struct trk_sample sample;
+        trk_log_sample(log, i, &sample);
+        fwrite(text, 1, trk_own_row(&sample, with_screen, text), file);
+    }
 }

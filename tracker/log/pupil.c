@@ -17,7 +17,9 @@
  * [px] grows, which count from the picture's top left corner; and while the head turns to the right, by the
  * gyroscope of the same recording, azimuth falls: the eye stays behind (the test measures both). Samples that
  * have a blink id are of a closed eye and count as lost; so do those of glasses that are not worn. */
+#include "error.h"
 #include "log/formats.h"
+#include "log/samples.h"
 
 #include <math.h>
 #include <string.h>
@@ -219,14 +221,16 @@ static bool turn_norm_pos(struct core *core, char out_error[TRK_ERROR_SIZE])
     if (core->flat == 0) return true;
     if (!init_camera(core, &camera, out_error)) return false;
     for (size_t i = 0; i < log->count; i++) {
-        struct trk_sample *sample = &log->samples[i];
-        if (!(sample->valid & TRK_SCREEN)) continue;
-        trk_plane_direction(&camera, sample->screen[0], sample->screen[1], sample->direction);
-        sample->valid = (sample->valid & ~(uint32_t)TRK_SCREEN) | TRK_DIRECTION;
-        memset(sample->screen, 0, sizeof sample->screen);
+        struct trk_sample sample;
+        trk_log_sample(log, i, &sample);
+        if (!(sample.valid & TRK_SCREEN)) continue;
+        trk_plane_direction(&camera, sample.screen[0], sample.screen[1], sample.direction);
+        sample.valid = (sample.valid & ~(uint32_t)TRK_SCREEN) | TRK_DIRECTION;
         for (int eye = 0; eye < 2; eye++)
-            if (sample->valid & TRK_LEFT_DIRECTION << 4 * eye && isnan(sample->eye[eye].direction[0]))
-                memcpy(sample->eye[eye].direction, sample->direction, sizeof sample->direction);
+            if (sample.valid & TRK_LEFT_DIRECTION << 4 * eye && isnan(sample.eye[eye].direction[0]))
+                memcpy(sample.eye[eye].direction, sample.direction, sizeof sample.direction);
+        if (!trk_samples_put(log, i, &sample))
+            return trk_fail(out_error, "%s: no memory", core->table.reading->lines.path);
     }
     return true;
 }

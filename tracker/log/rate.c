@@ -6,8 +6,6 @@
  * many would be, samples come in bursts, and the turns start from the mean of all steps. */
 #include "tracker.h"
 
-#include <stdlib.h>
-
 /* Steps are even if so many of them are from half to twice the middle one, and no more than so many are gaps
  * by it; of gaps that are no longer than a burst, fewer. */
 static const double least_even = 0.7, most_gaps = 0.15, most_short_gaps = 0.05;
@@ -22,7 +20,7 @@ static const struct burst {
 
 static double step_ns(const struct trk_log *log, size_t i)
 {
-    return (double)(log->samples[i].device_ns - log->samples[i - 1].device_ns);
+    return (double)(trk_log_time(log, i) - trk_log_time(log, i - 1));
 }
 
 /* How much time is missing in the steps around this one, at the least: a step that is long only because those
@@ -48,40 +46,50 @@ static bool is_gap(const struct trk_log *log, double mean_ns, const struct burst
             missing_ns(log, mean_ns, burst->samples, i) > (TRK_GAP_STEPS - 1) * mean_ns);
 }
 
-static int by_size(const void *a, const void *b)
+/* The middle step, without a list of all steps: its digits are found one by one, the highest first. The steps
+ * that share the digits found so far are counted by their next digit. */
+static uint64_t find_middle(const struct trk_log *log)
 {
-    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
-    return (x > y) - (x < y);
+    enum { DIGIT = 11, HIGHEST = 55 }; /* bits */
+    size_t rank = (log->count - 1) / 2;
+    uint64_t middle_ns = 0;
+    for (int shift = HIGHEST; shift >= 0; shift -= DIGIT) {
+        size_t counts[1 << DIGIT] = {0};
+        uint64_t digit = 0, last_ns = trk_log_time(log, 0);
+        for (size_t i = 1; i < log->count; i++) {
+            const uint64_t time_ns = trk_log_time(log, i), step = time_ns - last_ns;
+            last_ns = time_ns;
+            if ((step ^ middle_ns) >> shift >> DIGIT == 0) counts[step >> shift & ((1 << DIGIT) - 1)]++;
+        }
+        while (rank >= counts[digit]) rank -= counts[digit++];
+        middle_ns |= digit << shift;
+    }
+    return middle_ns;
 }
 
-/* The middle step, and the share of steps that are from half to twice as long (*out_even). */
-static bool find_middle(const struct trk_log *log, uint64_t *out_ns, double *out_even)
+/* The share of steps that are from half to twice the middle one. */
+static double find_even(const struct trk_log *log, uint64_t middle_ns)
 {
     size_t even = 0;
-    uint64_t *steps = malloc(log->count * sizeof *steps);
-    if (!steps) return false;
-    for (size_t i = 1; i < log->count; i++)
-        steps[i - 1] = log->samples[i].device_ns - log->samples[i - 1].device_ns;
-    qsort(steps, log->count - 1, sizeof *steps, by_size);
-    *out_ns = steps[(log->count - 1) / 2];
-    for (size_t i = 0; i < log->count - 1; i++) even += 2 * steps[i] >= *out_ns && steps[i] <= 2 * *out_ns;
-    *out_even = (double)even / (double)(log->count - 1);
-    free(steps);
-    return true;
+    for (size_t i = 1; i < log->count; i++) {
+        const uint64_t step = trk_log_time(log, i) - trk_log_time(log, i - 1);
+        even += 2 * step >= middle_ns && step <= 2 * middle_ns;
+    }
+    return (double)even / (double)(log->count - 1);
 }
 
 /* Leave out the steps that are gaps by this mean, and take that of the others, until no more change. */
 static void settle(const struct trk_log *log, double mean_ns, const struct burst *burst,
                    struct trk_rate *rate)
 {
-    const uint64_t span_ns = log->samples[log->count - 1].device_ns - log->samples[0].device_ns;
+    const uint64_t span_ns = trk_log_time(log, log->count - 1) - trk_log_time(log, 0);
     for (int turn = 0; turn < TURNS; turn++) {
         uint64_t gaps_ns = 0;
         size_t last = rate->gaps;
         rate->gaps = rate->longest_ns = 0;
         for (size_t i = 1; i < log->count; i++) {
             if (!is_gap(log, mean_ns, burst, i)) continue;
-            uint64_t gap_ns = log->samples[i].device_ns - log->samples[i - 1].device_ns;
+            uint64_t gap_ns = trk_log_time(log, i) - trk_log_time(log, i - 1);
             gaps_ns += gap_ns;
             if (gap_ns > rate->longest_ns) rate->longest_ns = gap_ns;
             rate->gaps++;
@@ -94,20 +102,18 @@ static void settle(const struct trk_log *log, double mean_ns, const struct burst
     }
 }
 
-bool trk_log_rate(const struct trk_log *log, struct trk_rate *out_rate)
+void trk_log_rate(const struct trk_log *log, struct trk_rate *out_rate)
 {
-    double even;
     *out_rate = (struct trk_rate){0};
-    if (log->count < 2) return true;
-    if (!find_middle(log, &out_rate->middle_ns, &even)) return false;
-    const double steps = (double)(log->count - 1);
-    const uint64_t span_ns = log->samples[log->count - 1].device_ns - log->samples[0].device_ns;
+    if (log->count < 2) return;
+    out_rate->middle_ns = find_middle(log);
+    const double steps = (double)(log->count - 1), even = find_even(log, out_rate->middle_ns);
+    const uint64_t span_ns = trk_log_time(log, log->count - 1) - trk_log_time(log, 0);
     if (out_rate->middle_ns) settle(log, (double)out_rate->middle_ns, &catching_up, out_rate);
     const double gaps = (double)out_rate->gaps / steps;
     out_rate->in_bursts = out_rate->hz == 0 || even < least_even || gaps > most_gaps ||
                           (gaps > most_short_gaps && (double)out_rate->longest_ns <= bursts.pause_ns);
     if (out_rate->in_bursts && span_ns) settle(log, (double)span_ns / steps, &bursts, out_rate);
-    return true;
 }
 
 bool trk_log_is_gap(const struct trk_log *log, const struct trk_rate *rate, size_t i)

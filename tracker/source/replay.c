@@ -18,34 +18,33 @@ struct replay {
     struct trk_log log;
     struct trk_rate rate;
     bool loop;
-    uint64_t lap_ns, lap_sequence; /* how far time and sequence go in a lap */
+    uint64_t first_ns, first_sequence; /* of the log's first sample */
+    uint64_t lap_ns, lap_sequence;     /* how far time and sequence go in a lap */
     uint64_t lap;
     size_t next;
 };
-
-static uint64_t first_ns(const struct replay *replay)
-{
-    return replay->log.samples[0].device_ns;
-}
 
 /* On the log's own clock: the last lap's end is a usual step after its last sample. */
 static void measure_lap(struct replay *replay)
 {
     const struct trk_log *log = &replay->log;
-    uint64_t span_ns = log->samples[log->count - 1].device_ns - first_ns(replay);
-    uint64_t step_ns = replay->rate.step_ns;
-    replay->lap_ns = span_ns + (step_ns ? step_ns : lone_step_ns);
-    replay->lap_sequence = log->samples[log->count - 1].sequence - log->samples[0].sequence + 1;
+    struct trk_sample first, last;
+    trk_log_sample(log, 0, &first);
+    trk_log_sample(log, log->count - 1, &last);
+    replay->first_ns = first.device_ns;
+    replay->first_sequence = first.sequence;
+    const uint64_t step_ns = replay->rate.step_ns;
+    replay->lap_ns = last.device_ns - first.device_ns + (step_ns ? step_ns : lone_step_ns);
+    replay->lap_sequence = last.sequence - first.sequence + 1;
 }
 
 static void describe(struct replay *replay, const char *path)
 {
     const struct trk_log *log = &replay->log;
-    double seconds = (double)(log->samples[log->count - 1].device_ns - first_ns(replay)) / 1e9;
+    double seconds = (double)(trk_log_time(log, log->count - 1) - replay->first_ns) / 1e9;
     char rate[32] = "";
     if (replay->rate.hz > 0) snprintf(rate, sizeof rate, ", %.0f Hz", replay->rate.hz);
-    bool head = false;
-    for (size_t i = 0; i < log->count && !head; i++) head = log->samples[i].valid & TRK_HEAD;
+    const bool head = trk_log_seen(log) & TRK_HEAD;
     snprintf(replay->source.description, sizeof replay->source.description,
              "replay of %.200s: %zu samples, %.1f s%s, %s%s%.250s", path, log->count, seconds, rate,
              head ? "head pose" : "no head pose", *log->assumed ? "; assumed: " : "", log->assumed);
@@ -79,11 +78,7 @@ static struct trk_source *replay_open(const char *path, const struct trk_source_
         replay_close(&replay->source);
         return NULL;
     }
-    if (!trk_log_rate(&replay->log, &replay->rate)) {
-        trk_fail(out_error, "%s: no memory", path);
-        replay_close(&replay->source);
-        return NULL;
-    }
+    trk_log_rate(&replay->log, &replay->rate);
     replay->source.speed = options->speed;
     replay->loop = options->loop;
     measure_lap(replay);
@@ -115,14 +110,15 @@ static enum trk_result replay_read(struct trk_source *source, uint64_t until_ns,
         replay->next = 0;
         replay->lap++;
     }
-    const struct trk_sample *sample = &replay->log.samples[replay->next];
+    struct trk_sample sample;
+    trk_log_sample(&replay->log, replay->next, &sample);
     uint64_t lap_ns = replay->lap * replay->lap_ns, arrival_ns;
     enum trk_result result =
-        wait_for_next(replay, lap_ns + sample->device_ns - first_ns(replay), until_ns, &arrival_ns);
+        wait_for_next(replay, lap_ns + sample.device_ns - replay->first_ns, until_ns, &arrival_ns);
     if (result != TRK_SAMPLE) return result;
-    *out_sample = *sample;
+    *out_sample = sample;
     out_sample->device_ns += lap_ns;
-    out_sample->sequence += 1 - replay->log.samples[0].sequence + replay->lap * replay->lap_sequence;
+    out_sample->sequence += 1 - replay->first_sequence + replay->lap * replay->lap_sequence;
     out_sample->arrival_ns = arrival_ns;
     replay->next++;
     return TRK_SAMPLE;

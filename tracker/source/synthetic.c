@@ -3,11 +3,11 @@
 
 #include "error.h"
 #include "log/log.h"
+#include "log/samples.h"
 #include "source/observer.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 struct synthetic {
     struct trk_source source;
@@ -105,11 +105,16 @@ const struct trk_source_type trk_synthetic = {
 bool trk_synthesise(uint64_t seed, double seconds, struct trk_log *out_log)
 {
     size_t count = samples_in(seconds);
-    *out_log = (struct trk_log){.format = "synthetic",
-                                .samples = count ? malloc(count * sizeof *out_log->samples) : NULL};
-    if (!out_log->samples) return false;
+    *out_log = (struct trk_log){.format = "synthetic"};
     struct trk_observer observer;
     trk_observer_init(&observer, seed);
-    while (out_log->count < count) trk_observer_next(&observer, &out_log->samples[out_log->count++]);
-    return true;
+    bool ok = count > 0;
+    while (ok && out_log->count < count) {
+        struct trk_sample sample;
+        trk_observer_next(&observer, &sample);
+        ok = trk_samples_add(out_log, &sample);
+    }
+    ok = ok && trk_samples_pack(out_log);
+    if (!ok) trk_log_finish(out_log);
+    return ok;
 }

@@ -1,0 +1,24 @@
+/* samples: how a log keeps its samples, and how they get there.
+ *
+ * tracker.h has what reads them: trk_log_sample(), trk_log_time(). A log that is being made or changed
+ * belongs to one thread. */
+#ifndef FOVEAD_TRACKER_SAMPLES_H
+#define FOVEAD_TRACKER_SAMPLES_H
+
+#include "tracker.h"
+
+/* Append a sample. False when memory is short; the log is then as it was. */
+bool trk_samples_add(struct trk_log *log, const struct trk_sample *sample);
+
+/* Replace sample i of log->count. Fast where i goes up or down step by step. False when memory is short; the
+ * log is then as it was. */
+bool trk_samples_put(struct trk_log *log, size_t i, const struct trk_sample *sample);
+
+/* To be called when no more is to be added or replaced for now: pack the block that is still open. False when
+ * memory is short. */
+bool trk_samples_pack(struct trk_log *log);
+
+/* Accepts NULL. */
+void trk_samples_destroy(struct trk_samples *samples);
+
+#endif
