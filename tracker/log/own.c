@@ -171,9 +171,24 @@ const struct trk_log_format trk_log_own = {
 
 /* --- writing -------------------------------------------------------------------------------------------- */
 
+/* Write number with a point before its last so many decimals; returns the length. */
+static size_t print_number(char *out, uint64_t number, int decimals)
+{
+    int length = 0;
+    char reversed[24];
+    for (; number > 0 || length <= decimals; number /= 10) {
+        reversed[length++] = (char)('0' + number % 10);
+        if (length == decimals) reversed[length++] = '.';
+    }
+    if (reversed[length - 1] == '.') reversed[length++] = '0';
+    for (int i = 0; i < length; i++) out[i] = reversed[length - 1 - i];
+    out[length] = '\0';
+    return (size_t)length;
+}
+
 /* Write value, above 0, as printf("%.*g", digits, value) would, and return the length. 0: the text would have
  * an exponent, or rounding in double leaves its last digit in doubt. *out_read: what strtof() reads back from
- * it.
+ * it; where that is not value, nothing is written and the length is 1.
  */
 static size_t print_plain(char *out, double value, int digits, float *out_read)
 {
@@ -191,18 +206,10 @@ static size_t print_plain(char *out, double value, int digits, float *out_read)
     memcpy(&bits, &read, sizeof bits);
     if ((bits & 0x1fffffff) == 0x10000000) return 0;
     *out_read = (float)read;
+    if (*out_read != (float)value) return 1;
     uint64_t number = (uint64_t)whole;
     for (; decimals > 0 && number % 10 == 0; decimals--) number /= 10;
-    int length = 0;
-    char reversed[24];
-    for (; number > 0 || length <= decimals; number /= 10) {
-        reversed[length++] = (char)('0' + number % 10);
-        if (length == decimals) reversed[length++] = '.';
-    }
-    if (reversed[length - 1] == '.') reversed[length++] = '0';
-    for (int i = 0; i < length; i++) out[i] = reversed[length - 1 - i];
-    out[length] = '\0';
-    return (size_t)length;
+    return print_number(out, number, decimals);
 }
 
 /* The fewest digits, up to the nine that always suffice, that read back as the same float; after a separator.
@@ -257,8 +264,12 @@ bool trk_own_accepts(const struct trk_sample *sample)
 size_t trk_own_row(const struct trk_sample *sample, bool with_screen, char out_text[TRK_OWN_SIZE])
 {
     const uint32_t bits = sample->valid & (with_screen ? all_bits : all_bits & ~(uint32_t)TRK_SCREEN);
-    size_t length = (size_t)snprintf(out_text, TRK_OWN_SIZE, "%" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu32,
-                                     sample->sequence, sample->device_ns, sample->arrival_ns, bits);
+    const uint64_t whole[WHOLE] = {sample->sequence, sample->device_ns, sample->arrival_ns, bits};
+    size_t length = 0;
+    for (int i = 0; i < WHOLE; i++) {
+        if (i > 0) out_text[length++] = SEPARATOR;
+        length += print_number(out_text + length, whole[i], 0);
+    }
     for (size_t i = 0; i < (with_screen ? WITH_SCREEN : PLAIN) - WHOLE; i++) {
         float value = 0;
         if (bits & columns[i].bit) memcpy(&value, (const char *)sample + columns[i].offset, sizeof value);
