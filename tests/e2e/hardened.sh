@@ -1,0 +1,23 @@
+#!/bin/sh
+# What is built for people is built with what the compiler and the linker have against faults in it.
+. "$(dirname "$0")/common.sh"
+
+cmake --install "$programs" --prefix "$place/own" >/dev/null
+# is FILE WHAT PATTERN: is it in what readelf says of the file?
+is() { grep -qE -e "$3" readelf.out || fail "$1: no $2: $(cat readelf.out)"; }
+checked=
+for file in own/bin/fovead own/bin/foveactl own/bin/foveactl-image $(find own -name 'libfovea.so.*' -type f); do
+    readelf --wide --file-header --program-headers --dynamic --dyn-syms "$file" >readelf.out
+    is "$file" 'position-independent code' 'Type: +DYN '
+    is "$file" 'read-only relocations' '^ *GNU_RELRO '
+    is "$file" 'binding at start' 'BIND_NOW'
+    is "$file" 'stack without code' '^ *GNU_STACK .* RW  '
+    is "$file" 'stack protector' ' __stack_chk_fail'
+    case $file in */bin/*) is "$file" 'mark of a position-independent program' 'Flags: .*PIE' ;; esac
+    # Checked buffers need optimisation.
+    if grep -qE '^CMAKE_BUILD_TYPE:[A-Z]*=(|Release|RelWithDebInfo|MinSizeRel)$' "$programs/CMakeCache.txt"; then
+        is "$file" 'checked buffers' ' __(snprintf|memcpy)_chk'
+    fi
+    checked="$checked $file"
+done
+[ "$(echo "$checked" | wc -w)" = 4 ] || fail "not all programs and the library were there: $checked"
