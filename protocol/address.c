@@ -2,10 +2,12 @@
 #include "internal.h"
 
 #include <arpa/inet.h>
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -57,18 +59,45 @@ static bool parse_tcp(const char *text, struct pro_address *out_address, char ou
     return true;
 }
 
+/* Can nobody else put a socket into the folder, or take one out of it? */
+static bool is_own_folder(const char *folder, char out_error[PRO_ERROR_SIZE])
+{
+    struct stat status;
+    if (lstat(folder, &status) != 0)
+        return pro_fail(out_error, "%.300s: no place for a socket: %s", folder, strerror(errno));
+    if (S_ISDIR(status.st_mode) && status.st_uid == geteuid() && !(status.st_mode & (S_IWGRP | S_IWOTH)))
+        return true;
+    return pro_fail(
+        out_error,
+        "%.250s: no place for a socket: expected a folder of user %u that nobody else can write to; another "
+        "place can be named, as unix:PATH",
+        folder, (unsigned)geteuid());
+}
+
+/* By the XDG Base Directory Specification, in which a relative path counts as none; else a folder of our own
+ * where everybody may make one. */
+static bool parse_default(struct pro_address *out_address, char out_error[PRO_ERROR_SIZE])
+{
+    const char *runtime = getenv("XDG_RUNTIME_DIR");
+    char folder[4096], path[4096 + 16];
+    bool has_runtime = runtime && *runtime == '/';
+    int length = has_runtime ? snprintf(folder, sizeof folder, "%s", runtime)
+                             : snprintf(folder, sizeof folder, "/tmp/fovead-%u", (unsigned)geteuid());
+    if (length >= (int)sizeof folder)
+        return pro_fail(out_error, "XDG_RUNTIME_DIR is too long a path for a socket");
+    /* lstat() would go through a symbolic link that has a slash behind it. */
+    while (length > 1 && folder[length - 1] == '/') folder[--length] = '\0';
+    snprintf(path, sizeof path, "%s/fovead.sock", folder);
+    if (!parse_path(path, out_address, out_error)) return false;
+    if (!has_runtime && mkdir(folder, 0700) != 0 && errno != EEXIST)
+        return pro_fail(out_error, "%s: cannot be made: %s", folder, strerror(errno));
+    return is_own_folder(folder, out_error);
+}
+
 bool pro_address_parse(const char *text, struct pro_address *out_address, char out_error[PRO_ERROR_SIZE])
 {
     memset(out_address, 0, sizeof *out_address);
-    if (!text) {
-        const char *folder = getenv("XDG_RUNTIME_DIR");
-        char path[4096];
-        if (folder && *folder)
-            snprintf(path, sizeof path, "%s/fovead.sock", folder);
-        else
-            snprintf(path, sizeof path, "/tmp/fovead-%u.sock", (unsigned)getuid());
-        return parse_path(path, out_address, out_error);
-    }
+    if (!text) return parse_default(out_address, out_error);
     if (strncmp(text, "unix:", 5) == 0) return parse_path(text + 5, out_address, out_error);
     if (strncmp(text, "tcp:", 4) == 0) return parse_tcp(text + 4, out_address, out_error);
     if (strchr(text, '/')) return parse_path(text, out_address, out_error);

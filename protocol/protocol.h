@@ -78,7 +78,9 @@ bool pro_decode(Fovea__Encoding encoding, const uint8_t *bytes, size_t count, un
 /* --- addresses ----------------------------------------------------------------------------------------- */
 
 /* "unix:PATH", "tcp:HOST:PORT" (HOST may be [v6]), a bare path with a '/', or NULL for the default:
- * $XDG_RUNTIME_DIR/fovead.sock, else /tmp/fovead-UID.sock. */
+ * $XDG_RUNTIME_DIR/fovead.sock, else /tmp/fovead-UID/fovead.sock, whose folder is made if it is missing.
+ * False with a line in out_error also if the default's folder belongs to somebody else or others can write to
+ * it. */
 struct pro_address {
     bool is_unix;
     char path[108]; /* unix: fits sockaddr_un */
@@ -91,6 +93,10 @@ bool pro_address_is_local(const struct pro_address *address);
 /* Text form, as pro_address_parse() takes it. */
 void pro_address_print(const struct pro_address *address, char *out_text, size_t size);
 
+/* For a connected TCP socket of either side: small messages go at once, and a peer that has vanished, or
+ * takes nothing, breaks the connection within about a minute. */
+void pro_tcp_options(int fd);
+
 /* --- client -------------------------------------------------------------------------------------------- */
 
 /* A connection, used by one thread. */
@@ -98,7 +104,8 @@ struct pro_client;
 
 /* Connect, say hello and wait for Welcome, at most timeout_ms in all (-1: for ever; the name service's own
  * time is not counted), retrying while nothing listens yet, if wait_for_daemon. The version is filled in.
- * NULL and a line in out_error on failure; if the daemon refused with a Done, its text. */
+ * NULL and a line in out_error on failure; if the daemon refused with a Done, its text. Who listens at a Unix
+ * socket is told nothing unless that is this user, or root. */
 struct pro_client *pro_connect(const struct pro_address *address, const Fovea__Hello *hello, int timeout_ms,
                                bool wait_for_daemon, char out_error[PRO_ERROR_SIZE]);
 void pro_disconnect(struct pro_client *client); /* accepts NULL */

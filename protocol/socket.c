@@ -40,6 +40,32 @@ short pro_wait(int fd, short events, uint64_t deadline_ns)
     }
 }
 
+void pro_tcp_options(int fd)
+{
+    /* Acknowledgements and gaze are small and must not wait for one another. */
+    setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &(int){1}, sizeof(int));
+    /* After half a minute of silence the peer is asked three times, ten seconds apart; what has been sent may
+     * wait as long to be taken. */
+    setsockopt(fd, SOL_SOCKET, SO_KEEPALIVE, &(int){1}, sizeof(int));
+    setsockopt(fd, IPPROTO_TCP, TCP_KEEPIDLE, &(int){30}, sizeof(int));
+    setsockopt(fd, IPPROTO_TCP, TCP_KEEPINTVL, &(int){10}, sizeof(int));
+    setsockopt(fd, IPPROTO_TCP, TCP_KEEPCNT, &(int){3}, sizeof(int));
+    setsockopt(fd, IPPROTO_TCP, TCP_USER_TIMEOUT, &(unsigned){60000}, sizeof(unsigned));
+}
+
+/* Who listens at a Unix socket decides what is heard and shown: only this user, or root, who may do all that
+ * anyway. The credentials are those of listen(), which no later owner of the path can change. */
+static bool is_trusted(int fd, const char *name, char out_error[PRO_ERROR_SIZE])
+{
+    struct ucred peer;
+    socklen_t size = sizeof peer;
+    if (getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0)
+        return pro_fail(out_error, "cannot tell who listens at %s: %s", name, strerror(errno));
+    return peer.uid == geteuid() || peer.uid == 0 ||
+           pro_fail(out_error, "user %u listens at %s, expected user %u: nothing was sent",
+                    (unsigned)peer.uid, name, (unsigned)geteuid());
+}
+
 /* One attempt. Returns the socket, or -1 with errno. */
 static int attempt(int family, const struct sockaddr *to, socklen_t length, uint64_t deadline_ns)
 {
@@ -55,9 +81,7 @@ static int attempt(int family, const struct sockaddr *to, socklen_t length, uint
             error = errno;
     }
     if (error == 0) {
-        /* Acknowledgements and gaze are small and must not wait for one another. */
-        int on = 1;
-        if (family != AF_UNIX) setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+        if (family != AF_UNIX) pro_tcp_options(fd);
         return fd;
     }
     close(fd);
@@ -115,5 +139,9 @@ int pro_dial(const struct pro_address *address, uint64_t deadline_ns, bool wait_
         pro_wait(-1, 0, now + pause);
     }
     if (found) freeaddrinfo(found);
+    if (fd >= 0 && address->is_unix && !is_trusted(fd, name, out_error)) {
+        close(fd);
+        return -1;
+    }
     return fd;
 }

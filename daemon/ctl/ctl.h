@@ -39,6 +39,7 @@ enum { CTL_PATIENCE_S = 30, CTL_START_S = 600 /* to come up, with --wait */ };
 struct ctl {
     const char *command;
     unsigned given; /* CTL_* bits */
+    bool has_address; /* else the default */
     struct pro_address address;
     bool wait, json, until_finished, stop;
     double seconds, settle;

@@ -44,7 +44,8 @@ static const char HELP[] =
     "\n"
     "Options\n"
     "  --connect ADDRESS       unix:PATH or tcp:HOST:PORT; default: $XDG_RUNTIME_DIR/fovead.sock, else\n"
-    "                          /tmp/fovead-UID.sock. FOVEAD_TOKEN in the environment is sent along\n"
+    "                          /tmp/fovead-UID/fovead.sock; only of this user or root. FOVEAD_TOKEN in the\n"
+    "                          environment is sent along\n"
     "  --wait                  wait for the daemon to come up, ten minutes at most\n"
     "  --json                  watch, stats, snapshot, move, compare, gaze info: one JSON object\n"
     "  --for SECONDS           watch: so long; otherwise until the daemon ends or Ctrl-C. record: so long, "
@@ -225,6 +226,7 @@ static bool take(struct ctl *ctl, int option, const char *text)
     ctl->given |= bit_of(option);
     switch (option) {
     case 'c':
+        ctl->has_address = true;
         return pro_address_parse(text, &ctl->address, error) || ctl_fail("--connect: %s", error);
     case 'w':
         return ctl->wait = true;
@@ -340,18 +342,14 @@ int main(int argc, char **argv)
 {
     struct ctl ctl = {.settle = 1.5, .width = 1280, .height = 1280, .ppd = RND_FLIP_PPD, .arguments = argv};
     const struct ctl_command *command = NULL;
-    char **own = calloc((size_t)argc + 1, sizeof(*own)), error[PRO_ERROR_SIZE];
+    char **own = calloc((size_t)argc + 1, sizeof(*own));
     int status = 1;
 
     signal(SIGPIPE, SIG_IGN);
     if (!own) return ctl_fail("out of memory"), 1;
     memcpy(own, argv, (size_t)argc * sizeof(*own));
-    if (hide_negatives(argc, own)) {
-        if (!pro_address_parse(NULL, &ctl.address, error))
-            ctl_fail("%s", error);
-        else if ((status = parse(argc, own, &ctl, &command)) < 0)
-            status = command->run(&ctl);
-    }
+    if (hide_negatives(argc, own) && (status = parse(argc, own, &ctl, &command)) < 0)
+        status = command->run(&ctl);
     for (int i = 0; i < argc; i++) {
         bool same = false;
 
@@ -371,16 +369,18 @@ struct pro_client *ctl_connect(const struct ctl *ctl, Fovea__Encoding tiles, boo
     Fovea__Hello hello = FOVEA__HELLO__INIT;
     char name[64], error[PRO_ERROR_SIZE];
     const char *token = getenv("FOVEAD_TOKEN");
+    struct pro_address address = ctl->address;
     struct pro_client *client;
 
+    if (!ctl->has_address && !pro_address_parse(NULL, &address, error)) return ctl_fail("%s", error), NULL;
     snprintf(name, sizeof(name), "foveactl %s " FOVEAD_VERSION, ctl->command);
     hello.client = name;
     hello.tiles = tiles;
     hello.gaze = gaze;
     hello.stats = stats;
     if (token) hello.token = (char *)token;
-    client = pro_connect(&ctl->address, &hello, (ctl->wait ? CTL_START_S : CTL_PATIENCE_S) * 1000, ctl->wait,
-                         error);
+    client =
+        pro_connect(&address, &hello, (ctl->wait ? CTL_START_S : CTL_PATIENCE_S) * 1000, ctl->wait, error);
     if (!client) ctl_fail("%s", error);
     return client;
 }

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "protocol.h"
@@ -48,19 +49,6 @@ static void good(void **state)
                    "tcp:localhost.example.org:80");
 }
 
-static void defaults(void **state)
-{
-    (void)state;
-    char expected[64];
-    setenv("XDG_RUNTIME_DIR", "/run/user/5", 1);
-    assert_address(NULL, true, "/run/user/5/fovead.sock", 0, true, "unix:/run/user/5/fovead.sock");
-    snprintf(expected, sizeof expected, "unix:/tmp/fovead-%u.sock", (unsigned)getuid());
-    setenv("XDG_RUNTIME_DIR", "", 1);
-    assert_address(NULL, true, expected + 5, 0, true, expected);
-    unsetenv("XDG_RUNTIME_DIR");
-    assert_address(NULL, true, expected + 5, 0, true, expected);
-}
-
 static void assert_refused(const char *text, const char *part)
 {
     struct pro_address address;
@@ -68,6 +56,84 @@ static void assert_refused(const char *text, const char *part)
     assert_false(pro_address_parse(text, &address, error));
     if (!strstr(error, part)) fail_msg("'%s' does not say '%s'", error, part);
     assert_null(strchr(error, '\n'));
+}
+
+static void assert_default(const char *folder)
+{
+    struct pro_address address;
+    char error[PRO_ERROR_SIZE] = "", expected[200];
+    if (!pro_address_parse(NULL, &address, error)) fail_msg("%s", error);
+    snprintf(expected, sizeof expected, "%s/fovead.sock", folder);
+    assert_true(address.is_unix);
+    assert_string_equal(address.path, expected);
+}
+
+/* The default is where nobody else can put a socket: this user's own folder, which is no link to another
+ * place. */
+static void defaults(void **state)
+{
+    (void)state;
+    char folder[] = "/tmp/fovead-test-XXXXXX", other[64], link[64], slashed[80];
+    assert_non_null(mkdtemp(folder));
+    snprintf(other, sizeof other, "%s/other", folder);
+    snprintf(link, sizeof link, "%s/link", folder);
+    assert_int_equal(mkdir(other, 0700), 0);
+    assert_int_equal(symlink(other, link), 0);
+
+    setenv("XDG_RUNTIME_DIR", other, 1);
+    assert_default(other);
+    snprintf(slashed, sizeof slashed, "%s//", other);
+    setenv("XDG_RUNTIME_DIR", slashed, 1);
+    assert_default(other);
+    assert_int_equal(chmod(other, 0755), 0);
+    assert_default(other);
+    const mode_t modes[] = {0770, 0720, 0702, 0777, 01777};
+    for (size_t i = 0; i < sizeof modes / sizeof *modes; i++) {
+        assert_int_equal(chmod(other, modes[i]), 0);
+        assert_refused(NULL, "that nobody else can write to");
+    }
+    assert_int_equal(chmod(other, 0700), 0);
+    setenv("XDG_RUNTIME_DIR", link, 1);
+    assert_refused(NULL, "that nobody else can write to");
+    snprintf(slashed, sizeof slashed, "%s/", link);
+    setenv("XDG_RUNTIME_DIR", slashed, 1);
+    assert_refused(NULL, "that nobody else can write to");
+    if (geteuid() == 0) {
+        setenv("XDG_RUNTIME_DIR", other, 1);
+        assert_int_equal(chown(other, 65534, (gid_t)-1), 0);
+        assert_refused(NULL, "expected a folder of user 0");
+    } else {
+        printf("not root: another user's folder is left out\n");
+    }
+    unlink(link);
+    rmdir(other);
+    assert_refused(NULL, "No such file");
+    rmdir(folder);
+}
+
+/* Without one, a folder of our own among everybody's, which is made. */
+static void default_without_runtime_folder(void **state)
+{
+    (void)state;
+    char folder[64];
+    struct stat status;
+    snprintf(folder, sizeof folder, "/tmp/fovead-%u", (unsigned)geteuid());
+    if (lstat(folder, &status) == 0 && (status.st_uid != geteuid() || status.st_mode & 022)) {
+        printf("%s is not as fovead makes it: left out\n", folder);
+        skip();
+    }
+    const char *none[] = {NULL, "", "run/user/5"};
+    for (size_t i = 0; i < sizeof none / sizeof *none; i++) {
+        if (none[i])
+            setenv("XDG_RUNTIME_DIR", none[i], 1);
+        else
+            unsetenv("XDG_RUNTIME_DIR");
+        assert_default(folder);
+    }
+    assert_int_equal(lstat(folder, &status), 0);
+    assert_true(S_ISDIR(status.st_mode));
+    assert_int_equal(status.st_uid, geteuid());
+    assert_int_equal(status.st_mode & 022, 0);
 }
 
 static void bad(void **state)
@@ -115,6 +181,7 @@ static void bad(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(good), cmocka_unit_test(defaults),
+                                       cmocka_unit_test(default_without_runtime_folder),
                                        cmocka_unit_test(bad)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

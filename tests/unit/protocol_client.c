@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 
+#include <netinet/tcp.h>
 #include <signal.h>
 #include <sys/time.h>
 
@@ -117,6 +118,29 @@ static void tiles(bool tcp, Fovea__Encoding encoding, float tolerance)
     assert_int_equal(server.freezes, 1);
     assert_int_equal(server.acknowledged, 4);
     assert_false(server.went_back);
+}
+
+static int option(const struct pro_client *client, int level, int name)
+{
+    int value = -1;
+    socklen_t size = sizeof value;
+    assert_int_equal(getsockopt(pro_client_fd(client), level, name, &value, &size), 0);
+    return value;
+}
+
+/* A daemon whose machine has gone is noticed. */
+static void alive_on_tcp(void **state)
+{
+    (void)state;
+    struct server server = {0};
+    struct pro_client *client = meet(&server, script_tiles, hello_for(FOVEA__ENCODING__ENCODING_JPEG), true);
+    assert_int_equal(option(client, SOL_SOCKET, SO_KEEPALIVE), 1);
+    assert_int_equal(option(client, IPPROTO_TCP, TCP_KEEPIDLE) + option(client, IPPROTO_TCP, TCP_KEEPINTVL) *
+                                                                     option(client, IPPROTO_TCP, TCP_KEEPCNT),
+                     60);
+    assert_int_equal(option(client, IPPROTO_TCP, TCP_USER_TIMEOUT), 60000);
+    pro_disconnect(client);
+    server_finish(&server);
 }
 
 static void tiles_unix(void **state)
@@ -367,6 +391,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(tiles_unix),
         cmocka_unit_test(tiles_tcp_jpeg),
+        cmocka_unit_test(alive_on_tcp),
         cmocka_unit_test(window_never_stalls),
         cmocka_unit_test(burst_is_acknowledged_together),
         cmocka_unit_test(daemon_that_does_not_read),

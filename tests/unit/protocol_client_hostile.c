@@ -8,6 +8,8 @@
 #include <cmocka.h>
 
 #include <math.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
 
 #include "protocol_server.h"
 
@@ -32,6 +34,53 @@ static void assert_breaks(void (*script)(struct server *), int variant, const ch
     server_finish(&server);
     if (!strstr(error, part)) fail_msg("variant %d: '%s' does not say '%s'", variant, error, part);
     for (const char *c = error; *c; c++) assert_true((unsigned char)*c >= 0x20);
+}
+
+/* --- somebody else ------------------------------------------------------------------------------------- */
+
+enum { SOMEBODY_ELSE = 65534 };
+
+/* Another user, who has put a socket where the daemon's should be; status 0 if that one has heard nothing. */
+static void squat(const struct sockaddr_un *at, int ready)
+{
+    int listener = socket(AF_UNIX, SOCK_STREAM, 0), fd;
+    char byte;
+    if (setuid(SOMEBODY_ELSE) != 0 || bind(listener, (const struct sockaddr *)at, sizeof *at) != 0 ||
+        listen(listener, 4) != 0 || write(ready, "", 1) != 1 || (fd = accept(listener, NULL, NULL)) < 0)
+        _exit(1);
+    _exit(recv(fd, &byte, 1, 0) == 0 ? 0 : 2);
+}
+
+static void stranger_hears_nothing(void **state)
+{
+    (void)state;
+    struct pro_address address = {.is_unix = true};
+    struct sockaddr_un at = {.sun_family = AF_UNIX};
+    Fovea__Hello hello = FOVEA__HELLO__INIT;
+    char folder[] = "/tmp/fovea-test-XXXXXX", error[PRO_ERROR_SIZE] = "", byte;
+    int ready[2], status;
+    if (geteuid() != 0) {
+        printf("not root: a socket of another user is left out\n");
+        skip();
+    }
+    hello.token = "sesame";
+    assert_non_null(mkdtemp(folder));
+    assert_int_equal(chmod(folder, 01777), 0);
+    snprintf(at.sun_path, sizeof at.sun_path, "%s/socket", folder);
+    strcpy(address.path, at.sun_path);
+    assert_int_equal(pipe(ready), 0);
+    pid_t child = fork();
+    if (child == 0) squat(&at, ready[1]);
+    assert_int_equal(read(ready[0], &byte, 1), 1);
+    assert_null(pro_connect(&address, &hello, PATIENCE_MS, false, error));
+    if (!strstr(error, "user 65534 listens at unix:/tmp/") || !strstr(error, "nothing was sent"))
+        fail_msg("%s", error);
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(status, 0);
+    unlink(at.sun_path);
+    rmdir(folder);
+    close(ready[0]);
+    close(ready[1]);
 }
 
 /* --- before Welcome ------------------------------------------------------------------------------------ */
@@ -358,9 +407,13 @@ static void sending_to_nobody(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(never_answers),     cmocka_unit_test(absurd_welcome),
-        cmocka_unit_test(wrong_first_word),  cmocka_unit_test(bad_tiles),
-        cmocka_unit_test(out_of_place),      cmocka_unit_test(closes_in_the_middle),
+        cmocka_unit_test(stranger_hears_nothing),
+        cmocka_unit_test(never_answers),
+        cmocka_unit_test(absurd_welcome),
+        cmocka_unit_test(wrong_first_word),
+        cmocka_unit_test(bad_tiles),
+        cmocka_unit_test(out_of_place),
+        cmocka_unit_test(closes_in_the_middle),
         cmocka_unit_test(sending_to_nobody),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
