@@ -1,12 +1,12 @@
 /* Sockets that clients connect to. */
 #include <errno.h>
+#include <fcntl.h>
 #include <netdb.h>
-#include <netinet/in.h>
-#include <netinet/tcp.h>
 #include <poll.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -31,6 +31,40 @@ static bool fail(const struct pro_address *address, char out_error[PRO_ERROR_SIZ
     va_end(args);
     snprintf(out_error, PRO_ERROR_SIZE, "%s: %s", name, why);
     return false;
+}
+
+static void name_lock(const struct pro_address *address, char *out_name, size_t size)
+{
+    snprintf(out_name, size, "%s.lock", address->path);
+}
+
+/* Between a look at an old socket and the new one in its place no other daemon may do the same. */
+static bool lock(struct dmn_listener *listener, char out_error[PRO_ERROR_SIZE])
+{
+    const struct pro_address *address = &listener->address;
+    char name[sizeof(address->path) + 8];
+    struct stat own, there;
+    int fd;
+
+    name_lock(address, name, sizeof(name));
+    for (;;) {
+        fd = open(name, O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0600);
+        if (fd < 0) return fail(address, out_error, "its .lock: %s", strerror(errno));
+        if (fstat(fd, &own) || !S_ISREG(own.st_mode) || own.st_uid != geteuid()) {
+            close(fd);
+            return fail(address, out_error, "its .lock: expected a file of this user, or none");
+        }
+        /* Not every file system has locks. */
+        if (flock(fd, LOCK_EX | LOCK_NB) && errno == EWOULDBLOCK) {
+            close(fd);
+            return fail(address, out_error, "in use by a running daemon");
+        }
+        if (!lstat(name, &there) && there.st_dev == own.st_dev && there.st_ino == own.st_ino) break;
+        /* A daemon that ended meanwhile has removed this one, which keeps nobody out. */
+        close(fd);
+    }
+    listener->lock = fd;
+    return true;
 }
 
 /* Make way for a Unix socket: nothing there, or what a dead daemon left. */
@@ -66,7 +100,7 @@ static bool listen_unix(struct dmn_listener *listener, char out_error[PRO_ERROR_
     struct stat status;
 
     memcpy(name.sun_path, address->path, sizeof(name.sun_path));
-    if (!make_way(address, &name, out_error)) return false;
+    if (!lock(listener, out_error) || !make_way(address, &name, out_error)) return false;
     listener->fd = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     if (listener->fd < 0) return fail(address, out_error, "%s", strerror(errno));
     /* Linux gives the new file the mode of the unbound socket, so at no moment can others open it. */
@@ -116,7 +150,8 @@ bool dmn_listener_init(struct dmn_listener *listener, const struct pro_address *
 {
     bool good;
 
-    *listener = (struct dmn_listener){*address, -1, pro_address_is_local(address) ? NULL : token, 0, 0};
+    *listener = (struct dmn_listener){
+        .address = *address, .fd = -1, .lock = -1, .token = address->is_unix ? NULL : token};
     good = address->is_unix ? listen_unix(listener, out_error) : listen_tcp(listener, out_error);
     if (!good) dmn_listener_finish(listener);
     return good;
@@ -124,6 +159,7 @@ bool dmn_listener_init(struct dmn_listener *listener, const struct pro_address *
 
 void dmn_listener_finish(struct dmn_listener *listener)
 {
+    char name[sizeof(listener->address.path) + 8];
     struct stat status;
 
     if (listener->fd >= 0) close(listener->fd);
@@ -132,43 +168,61 @@ void dmn_listener_finish(struct dmn_listener *listener)
         status.st_ino == listener->inode)
         unlink(listener->address.path);
     listener->inode = 0;
+    if (listener->lock < 0) return;
+    name_lock(&listener->address, name, sizeof(name));
+    unlink(name); /* which nobody else has locked */
+    close(listener->lock);
+    listener->lock = -1;
 }
 
-static void name_peer(const struct dmn_listener *listener, int fd, char *out_peer, size_t size)
+/* --- clients */
+
+/* False if it may not come in. */
+static bool meet_unix(int fd, struct dmn_peer *out_peer)
 {
-    if (listener->address.is_unix) {
-        struct ucred who = {0};
-        socklen_t length = sizeof(who);
+    struct ucred who;
+    socklen_t length = sizeof(who);
 
-        getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &who, &length);
-        snprintf(out_peer, size, "process %d", (int)who.pid);
-    } else {
-        struct sockaddr_storage name;
-        socklen_t length = sizeof(name);
-        char host[64], port[8];
+    if (getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &who, &length)) return false;
+    *out_peer = (struct dmn_peer){0};
+    snprintf(out_peer->name, sizeof(out_peer->name), "process %d", (int)who.pid);
+    if (who.uid == geteuid() || who.uid == 0) return true;
+    fprintf(stderr, "fovead: client (%s) turned away: it is of user %u\n", out_peer->name, (unsigned)who.uid);
+    return false;
+}
 
-        if (getpeername(fd, (struct sockaddr *)&name, &length) ||
-            getnameinfo((struct sockaddr *)&name, length, host, sizeof(host), port, sizeof(port),
-                        NI_NUMERICHOST | NI_NUMERICSERV))
-            snprintf(out_peer, size, "tcp");
-        else
-            snprintf(out_peer, size, "%s port %s", host, port);
+static void meet_tcp(int fd, struct dmn_peer *out_peer)
+{
+    struct sockaddr_storage name = {0};
+    socklen_t length = sizeof(name);
+    char host[64], port[8];
+
+    *out_peer = (struct dmn_peer){.name = "tcp"};
+    if (!getpeername(fd, (struct sockaddr *)&name, &length) &&
+        !getnameinfo((struct sockaddr *)&name, length, host, sizeof(host), port, sizeof(port),
+                     NI_NUMERICHOST | NI_NUMERICSERV))
+        snprintf(out_peer->name, sizeof(out_peer->name), "%s port %s", host, port);
+    out_peer->key = dmn_gate_key(&name);
+}
+
+int dmn_listener_accept(struct dmn_listener *listener, struct dmn_peer *out_peer)
+{
+    int fd, bytes = SEND_BUFFER;
+
+    for (;;) {
+        fd = accept4(listener->fd, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC);
+        if (fd < 0 && (errno == EINTR || errno == ECONNABORTED)) continue;
+        if (fd < 0 || !listener->address.is_unix || meet_unix(fd, out_peer)) break;
+        close(fd);
     }
-}
-
-int dmn_listener_accept(struct dmn_listener *listener, char *out_peer, size_t size)
-{
-    int fd, one = 1, bytes = SEND_BUFFER;
-
-    do fd = accept4(listener->fd, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC);
-    while (fd < 0 && (errno == EINTR || errno == ECONNABORTED));
     if (fd < 0) {
         /* Out of descriptors: the listener stays readable, so take a breath instead of spinning. */
         if (errno == EMFILE || errno == ENFILE) poll(NULL, 0, 10);
         return -1;
     }
     setsockopt(fd, SOL_SOCKET, SO_SNDBUF, &bytes, sizeof(bytes));
-    if (!listener->address.is_unix) setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &one, sizeof(one));
-    name_peer(listener, fd, out_peer, size);
+    if (listener->address.is_unix) return fd;
+    pro_tcp_options(fd);
+    meet_tcp(fd, out_peer);
     return fd;
 }

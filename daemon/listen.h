@@ -4,26 +4,36 @@
 
 #include <sys/types.h>
 
+#include "gate.h"
 #include "protocol.h"
 
 struct dmn_listener {
     struct pro_address address;
     int fd;            /* non-blocking */
+    int lock; /* of a Unix socket: the file beside it that is locked as long as it is listened on; -1: none */
     const char *token; /* clients must know it; NULL if none is needed */
     dev_t device;      /* of a Unix socket, so that only our own is removed */
     ino_t inode;
 };
 
-/* Open a socket and listen. A Unix socket is this user's alone; one that a dead daemon left behind is
- * replaced, one that answers and anything that is not a socket is refused. An address that other machines
- * reach needs a token. False with a line in out_error that names the address. The caller ends it with
- * dmn_listener_finish(). */
+/* Open a socket and listen. A Unix socket is this user's alone, and needs no token; one that a dead daemon
+ * left behind is replaced, one that answers and anything that is not a socket is refused. Of several that
+ * begin at once one gets it. On TCP clients must know the token if there is one, and an address that other
+ * machines reach is refused without. False with a line in out_error that names the address. The caller ends
+ * it with dmn_listener_finish(). */
 bool dmn_listener_init(struct dmn_listener *listener, const struct pro_address *address, const char *token,
                        char out_error[PRO_ERROR_SIZE]);
 /* Close, and remove a Unix socket from its folder. */
 void dmn_listener_finish(struct dmn_listener *listener);
 
-/* The next client: a non-blocking socket, and in out_peer who it is; -1 if no more are waiting. */
-int dmn_listener_accept(struct dmn_listener *listener, char *out_peer, size_t size);
+struct dmn_peer {
+    char name[96];
+    uint64_t key; /* for the gate */
+};
+
+/* The next client: a non-blocking socket, and in out_peer who it is; -1 if no more are waiting. On a Unix
+ * socket other users than this one and root are turned away with a line on stderr, whatever its file's mode
+ * has become. */
+int dmn_listener_accept(struct dmn_listener *listener, struct dmn_peer *out_peer);
 
 #endif

@@ -153,8 +153,7 @@ static void drop(struct peer *peer, const char *why)
 
     fprintf(stderr, "fovead: client %u (%s) dropped: %s\n", dmn_session_number(peer->session),
             dmn_session_peer(peer->session), why);
-    if (lws_send_pipe_choked(peer->wsi) || !(frame = dmn_session_farewell(peer->session, why, &count)))
-        return;
+    if (lws_send_pipe_choked(peer->wsi) || !(frame = dmn_farewell(why, LWS_PRE, &count))) return;
     lws_write(peer->wsi, frame + LWS_PRE, count, LWS_WRITE_RAW);
     free(frame);
 }
@@ -201,11 +200,30 @@ static struct dmn_loop *loop_of(struct lws *wsi)
     return lws_context_user(lws_get_context(wsi));
 }
 
-static void welcome_in(struct dmn_loop *loop, struct dmn_listener *listener, int fd, const char *name)
+/* Told why, as far as the socket takes it at once. */
+static void turn_away(int fd, const char *name)
+{
+    char why[64], unread[4096];
+    uint8_t *frame;
+    size_t count;
+
+    snprintf(why, sizeof(why), "%d clients are connected, which is the most", MOST_CLIENTS);
+    fprintf(stderr, "fovead: client (%s) turned away: %s\n", name, why);
+    frame = dmn_farewell(why, 0, &count);
+    if (frame) (void)!send(fd, frame, count, MSG_DONTWAIT | MSG_NOSIGNAL);
+    free(frame);
+    /* A socket that is closed with bytes unread may take back what it sent. */
+    (void)!recv(fd, unread, sizeof(unread), MSG_DONTWAIT);
+    close(fd);
+}
+
+static void welcome_in(struct dmn_loop *loop, struct dmn_listener *listener, int fd,
+                       const struct dmn_peer *from)
 {
     struct peer *peer = calloc(1, sizeof(*peer));
-    struct dmn_session_options options = {loop->common,    loop->numbers + 1,         name,
-                                          listener->token, listener->address.is_unix, LWS_PRE};
+    struct dmn_session_options options = {loop->common,    loop->numbers + 1, from->name,
+                                          listener->token, from->key,         listener->address.is_unix,
+                                          LWS_PRE};
     lws_adopt_desc_t adopt = {
         .vh = loop->vhost, .type = LWS_ADOPT_SOCKET, .vh_prot_name = "client", .opaque = peer};
 
@@ -219,7 +237,7 @@ static void welcome_in(struct dmn_loop *loop, struct dmn_listener *listener, int
     /* On failure libwebsockets has closed fd, and may or may not have told on_client. */
     peer->wsi = lws_adopt_descriptor_vhost_via_info(&adopt);
     if (!peer->wsi) {
-        fprintf(stderr, "fovead: client %u (%s) cannot be served\n", loop->numbers, name);
+        fprintf(stderr, "fovead: client %u (%s) cannot be served\n", loop->numbers, from->name);
         dmn_session_destroy(peer->session);
         free(peer);
         return;
@@ -232,21 +250,18 @@ static int on_listener(struct lws *wsi, enum lws_callback_reasons reason, void *
 {
     struct dmn_listener *listener;
     struct dmn_loop *loop;
-    char name[96];
+    struct dmn_peer from;
     int fd;
 
     (void)user, (void)in, (void)size;
     if (reason != LWS_CALLBACK_RAW_RX_FILE) return 0;
     loop = loop_of(wsi);
     listener = lws_get_opaque_user_data(wsi);
-    while ((fd = dmn_listener_accept(listener, name, sizeof(name))) >= 0) {
-        if (loop->common->clients < MOST_CLIENTS) {
-            welcome_in(loop, listener, fd, name);
-        } else {
-            fprintf(stderr, "fovead: client (%s) turned away: %d are connected\n", name, MOST_CLIENTS);
-            close(fd);
-        }
-    }
+    while ((fd = dmn_listener_accept(listener, &from)) >= 0)
+        if (loop->common->clients < MOST_CLIENTS)
+            welcome_in(loop, listener, fd, &from);
+        else
+            turn_away(fd, from.name);
     return 0;
 }
 

@@ -233,12 +233,15 @@ uint8_t *dmn_session_frame(struct dmn_session *session, size_t *out_count)
     return NULL;
 }
 
-uint8_t *dmn_session_farewell(struct dmn_session *session, const char *why, size_t *out_count)
+uint8_t *dmn_farewell(const char *why, size_t headroom, size_t *out_count)
 {
+    Fovea__Message message = FOVEA__MESSAGE__INIT;
     Fovea__Done done = FOVEA__DONE__INIT;
 
     done.text = (char *)why;
-    return pack(session, FOVEA__MESSAGE__BODY_DONE, &done, out_count);
+    message.body_case = FOVEA__MESSAGE__BODY_DONE;
+    message.done = &done;
+    return pro_pack(&message, headroom, out_count);
 }
 
 void dmn_session_stats(struct dmn_session *session)

@@ -37,6 +37,7 @@ void dmn_session_destroy(struct dmn_session *session)
         dmn_gaze_view(session->common->gaze, NULL, 0, 0);
     }
     session->common->clients--;
+    if (session->held) fovea__message__free_unpacked(session->held, NULL);
     pro_reader_finish(&session->reader);
     free(session->sent);
     free(session);
@@ -70,16 +71,6 @@ static bool fail(char out_error[PRO_ERROR_SIZE], const char *format, ...)
     return false;
 }
 
-/* In a time that does not tell how much of the token was right. */
-static bool same_token(const char *want, const char *have)
-{
-    size_t length = strlen(want), other = strlen(have);
-    unsigned char differ = length != other;
-
-    for (size_t i = 0; i < length; i++) differ |= (unsigned char)(want[i] ^ (i < other ? have[i] : 0));
-    return !differ;
-}
-
 /* What the client calls itself joins its name in the log, as far as it is plain text. */
 static void note_name(struct dmn_session *session, const char *name)
 {
@@ -91,13 +82,9 @@ static void note_name(struct dmn_session *session, const char *name)
     session->peer[length] = '\0';
 }
 
-static bool take_hello(struct dmn_session *session, const Fovea__Hello *hello, char out_error[PRO_ERROR_SIZE])
+/* What a client that is who it should be wants. */
+static bool greet(struct dmn_session *session, const Fovea__Hello *hello, char out_error[PRO_ERROR_SIZE])
 {
-    note_name(session, hello->client);
-    if (hello->version != PRO_VERSION)
-        return fail(out_error, "it speaks version %u of the protocol, not %d", hello->version, PRO_VERSION);
-    if (session->options.token && !same_token(session->options.token, hello->token))
-        return fail(out_error, "its token is wrong");
     switch (hello->tiles) {
     case FOVEA__ENCODING__ENCODING_NONE:
         break;
@@ -115,6 +102,45 @@ static bool take_hello(struct dmn_session *session, const Fovea__Hello *hello, c
     session->wants_gaze = hello->gaze;
     session->wants_stats = session->stats_due = hello->stats;
     return session->greeted = session->welcome_due = true;
+}
+
+/* Its token is looked at now, or the Hello is held until it is. */
+static bool take_hello(struct dmn_session *session, Fovea__Message *message, char out_error[PRO_ERROR_SIZE])
+{
+    const Fovea__Hello *hello = message->hello;
+    struct dmn_gate *gate = &session->common->gate;
+    const char *token = session->options.token;
+    uint64_t now_ns = dmn_now_ns();
+
+    note_name(session, hello->client);
+    if (hello->version != PRO_VERSION)
+        return fail(out_error, "it speaks version %u of the protocol, not %d", hello->version, PRO_VERSION);
+    if (!token) return greet(session, hello, out_error);
+    if (!*hello->token) return fail(out_error, "it sent no token: set FOVEAD_TOKEN in its environment");
+    session->turn_ns = dmn_gate_turn(gate, session->options.key, now_ns);
+    if (!session->turn_ns)
+        return fail(out_error, "too many wrong tokens came from its address: try again in some seconds");
+    if (session->turn_ns > now_ns) {
+        session->held = message;
+        return true;
+    }
+    if (dmn_gate_knows(token, hello->token)) return greet(session, hello, out_error);
+    dmn_gate_wrong(gate, session->options.key, now_ns);
+    return fail(out_error, "its token is wrong");
+}
+
+/* The turn of a Hello that was held, and then of what came behind it. */
+static bool take_held(struct dmn_session *session, char out_error[PRO_ERROR_SIZE])
+{
+    Fovea__Message *message = session->held;
+    bool right = dmn_gate_knows(session->options.token, message->hello->token);
+    bool good = right ? greet(session, message->hello, out_error) : fail(out_error, "its token is wrong");
+
+    if (right) dmn_gate_right(&session->common->gate, session->options.key);
+    session->held = NULL;
+    fovea__message__free_unpacked(message, NULL);
+    session->checks = 0;
+    return good && dmn_session_take(session, NULL, 0, out_error);
 }
 
 static bool take_view(struct dmn_session *session, const Fovea__View *view, char out_error[PRO_ERROR_SIZE])
@@ -258,13 +284,12 @@ void dmn_session_saved(struct dmn_session *session, const struct dmn_save *save)
     (void)reply(session, done(save->request, save->good, "%s", save->text), error);
 }
 
-static bool take_message(struct dmn_session *session, const Fovea__Message *message,
-                         char out_error[PRO_ERROR_SIZE])
+static bool take_message(struct dmn_session *session, Fovea__Message *message, char out_error[PRO_ERROR_SIZE])
 {
     switch (message->body_case) {
     case FOVEA__MESSAGE__BODY_HELLO:
         if (session->greeted) return fail(out_error, "it said hello twice");
-        return take_hello(session, message->hello, out_error);
+        return take_hello(session, message, out_error);
     case FOVEA__MESSAGE__BODY_VIEW:
         return take_view(session, message->view, out_error);
     case FOVEA__MESSAGE__BODY_POINTER:
@@ -298,9 +323,10 @@ static bool take_message(struct dmn_session *session, const Fovea__Message *mess
 bool dmn_session_take(struct dmn_session *session, const void *bytes, size_t count,
                       char out_error[PRO_ERROR_SIZE])
 {
-    bool good = pro_reader_add(&session->reader, bytes, count) || fail(out_error, "out of memory");
+    bool good = pro_reader_add(&session->reader, bytes, count) ||
+                fail(out_error, session->held ? "it did not wait for an answer" : "out of memory");
 
-    while (good) {
+    while (good && !session->held) {
         Fovea__Message *message;
         enum pro_result result = pro_reader_take(&session->reader, &message, out_error);
 
@@ -309,7 +335,7 @@ bool dmn_session_take(struct dmn_session *session, const void *bytes, size_t cou
         good = session->greeted || message->body_case == FOVEA__MESSAGE__BODY_HELLO
                    ? take_message(session, message, out_error)
                    : fail(out_error, "it did not say hello first");
-        fovea__message__free_unpacked(message, NULL);
+        if (message != session->held) fovea__message__free_unpacked(message, NULL);
         session->checks = 0;
     }
     if (!session->reader.used)
@@ -323,6 +349,7 @@ bool dmn_session_take(struct dmn_session *session, const void *bytes, size_t cou
 
 bool dmn_session_check(struct dmn_session *session, char out_error[PRO_ERROR_SIZE])
 {
+    if (session->held) return dmn_now_ns() < session->turn_ns || take_held(session, out_error);
     if (++session->checks < PATIENCE) return true;
     if (!session->greeted) return fail(out_error, "it did not say hello");
     if (session->partial) return fail(out_error, "it began a frame and did not end it");

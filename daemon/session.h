@@ -8,6 +8,7 @@
 #define FOVEAD_DAEMON_SESSION_H
 
 #include "edits.h"
+#include "gate.h"
 #include "gaze.h"
 #include "paint.h"
 #include "saver.h"
@@ -28,6 +29,7 @@ struct dmn_common {
     uint32_t visited, converged, settled; /* tiles of level 0 */
     float direction[3];                   /* that samples are aimed at */
 
+    struct dmn_gate gate;
     unsigned clients;
     unsigned view_owner; /* number of the client whose View rules; 0 if none does */
 };
@@ -39,6 +41,7 @@ struct dmn_session_options {
     unsigned number;   /* of the client, from 1 */
     const char *peer;  /* copied */
     const char *token; /* that Hello must carry, or NULL */
+    uint64_t key;      /* of its address, for the gate */
     bool may_save;     /* the client is on this machine and this user's */
     size_t headroom;   /* bytes free before every frame */
 };
@@ -64,8 +67,8 @@ bool dmn_session_wants(struct dmn_session *session);
  * memory. */
 uint8_t *dmn_session_frame(struct dmn_session *session, size_t *out_count);
 
-/* A last frame that tells the client why it is dropped, as dmn_session_frame(). */
-uint8_t *dmn_session_farewell(struct dmn_session *session, const char *why, size_t *out_count);
+/* A last frame that tells a client why it is dropped, as dmn_session_frame(). */
+uint8_t *dmn_farewell(const char *why, size_t headroom, size_t *out_count);
 
 /* Statistics are due. */
 void dmn_session_stats(struct dmn_session *session);

@@ -26,6 +26,8 @@ struct dmn_session {
     struct pro_reader reader;
     unsigned checks; /* since the client has been waited for, for Hello or for the rest of a frame */
     bool greeted, partial;
+    Fovea__Message *held; /* its Hello, as long as its token is not looked at; NULL: none is held */
+    uint64_t turn_ns;     /* when it is */
 
     Fovea__Encoding encoding;
     uint32_t window;

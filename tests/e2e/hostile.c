@@ -98,6 +98,25 @@ static int deaf(int fd)
     return 1;
 }
 
+/* As many clients as there is room for, and one more, which is told why it is turned away. */
+static int crowd(const char *place)
+{
+    enum { ROOM = 64 };
+    struct pro_client *client[ROOM + 1] = {NULL};
+    Fovea__Hello body = FOVEA__HELLO__INIT;
+    char error[PRO_ERROR_SIZE] = "";
+    struct pro_address address;
+    int in = 0;
+
+    if (!pro_address_parse(place, &address, error)) return 2;
+    body.token = getenv("FOVEAD_TOKEN") ? getenv("FOVEAD_TOKEN") : "";
+    while (in <= ROOM && (client[in] = pro_connect(&address, &body, PATIENCE_MS, false, error))) in++;
+    for (int i = 0; i < in; i++) pro_disconnect(client[i]);
+    if (in == ROOM && strstr(error, "refused: 64 clients are connected")) return 0;
+    fprintf(stderr, "%s: %d clients came in, then: %s\n", place, in, error);
+    return 1;
+}
+
 /* Asks without end and reads nothing: dropped, or not listened to any more; either way it takes no memory. */
 static int flood(int fd)
 {
@@ -160,6 +179,7 @@ int main(int argc, char **argv)
     int fd;
 
     if (argc != 3) return 2;
+    if (!strcmp(argv[2], "crowd")) return crowd(argv[1]);
     fd = dial(argv[1]);
     if (!strcmp(argv[2], "noise")) return noise(fd);
     if (!strcmp(argv[2], "huge")) return length(fd, "\200\0\0\0");
