@@ -1,7 +1,9 @@
 /* fovead: the daemon. It loads, opens what clients connect to, starts the threads, serves, and takes all down
  * again. */
+#include <errno.h>
 #include <sched.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,24 +17,37 @@
 #include "image.h"
 #include "loop.h"
 #include "report.h"
+#include "streams.h"
 #include "trackers.h"
 
 /* Batches of 3.5 ms follow the eye within 5; shorter ones cost paths. Without gaze or client longer ones do.
  */
 static const double STEERED_SECONDS = 0.0035, UNSTEERED_SECONDS = 0.05;
 
+/* GNU timeout signals a program and then the group that it is in; a closed terminal signals all that ran in
+ * it, and the shell does so again. */
+static const int64_t SAME_REQUEST_NS = 1000000000;
+
 /* What a signal handler can reach. */
 static int signal_fd = -1;
-static volatile sig_atomic_t signalled, serving;
+static volatile sig_atomic_t serving;
+static atomic_uint_least64_t signalled_ns; /* when the first signal came; 0: none has */
 
-/* The first signal ends the daemon in order; the second, or one before there is anything to put in order, at
- * once. */
+/* The first signal ends the daemon in order. One a second or more later, or one before there is anything to
+ * put in order, ends it at once. */
 static void on_signal(int number)
 {
-    const uint64_t one = 1;
+    const uint64_t one = 1, now_ns = dmn_now_ns();
+    const int error = errno;
+    uint64_t first_ns = 0;
 
-    if (signalled || !serving || write(signal_fd, &one, sizeof(one)) < 0) _exit(128 + number);
-    signalled = number;
+    if (!serving) _exit(128 + number);
+    if (atomic_compare_exchange_strong(&signalled_ns, &first_ns, now_ns)) {
+        if (write(signal_fd, &one, sizeof(one)) < 0) _exit(128 + number);
+    } else if ((int64_t)(now_ns - first_ns) >= SAME_REQUEST_NS) { /* two threads may be here at a time */
+        _exit(128 + number);
+    }
+    errno = error;
 }
 
 struct daemon {
@@ -54,11 +69,14 @@ static bool fail(const char *error)
 
 static bool handle_signals(void)
 {
-    struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
+    struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART}, before;
 
-    signal(SIGPIPE, SIG_IGN);
     signal_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-    return signal_fd >= 0 && !sigaction(SIGINT, &action, NULL) && !sigaction(SIGTERM, &action, NULL);
+    if (signal_fd < 0 || sigaction(SIGINT, &action, NULL) || sigaction(SIGTERM, &action, NULL) ||
+        sigaction(SIGHUP, NULL, &before))
+        return false;
+    /* nohup(1): it is to go on when the terminal is closed. */
+    return before.sa_handler == SIG_IGN || !sigaction(SIGHUP, &action, NULL);
 }
 
 static bool load(struct daemon *daemon)
@@ -247,6 +265,7 @@ int main(int argc, char **argv)
     struct dmn_work work = {0};
     bool good;
 
+    dmn_streams_open("fovead");
     switch (dmn_options_parse(argc, argv, &daemon.options)) {
     case DMN_ANSWERED:
         return 0;

@@ -2,13 +2,13 @@
 #include <ctype.h>
 #include <getopt.h>
 #include <math.h>
-#include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "ctl.h"
+#include "streams.h"
 
 static const struct ctl_command COMMANDS[] = {
     {"watch", "", "show how the picture grows, where the eye looks and how long things take", 0,
@@ -345,7 +345,7 @@ int main(int argc, char **argv)
     char **own = calloc((size_t)argc + 1, sizeof(*own));
     int status = 1;
 
-    signal(SIGPIPE, SIG_IGN);
+    dmn_streams_open("foveactl");
     if (!own) return ctl_fail("out of memory"), 1;
     memcpy(own, argv, (size_t)argc * sizeof(*own));
     if (hide_negatives(argc, own) && (status = parse(argc, own, &ctl, &command)) < 0)

@@ -59,6 +59,7 @@ int ctl_record(const struct ctl *ctl)
     if (ctl->given & CTL_FOR) {
         sigaction(SIGINT, &action, NULL);
         sigaction(SIGTERM, &action, NULL);
+        sigaction(SIGHUP, &action, NULL);
     }
     good = request(client, !ctl->stop, path, ctl->given & CTL_REPLACE);
     if (good && ctl->given & CTL_FOR)

@@ -1,5 +1,6 @@
 /* fovea-bench: measurements, by name. */
 #include "bench.h"
+#include "streams.h"
 
 #include <assert.h>
 #include <float.h>
@@ -126,7 +127,6 @@ double bench_median(const double *values, int count)
 
 FILE *bench_draw(void)
 {
-    signal(SIGPIPE, SIG_IGN); /* it may not be there */
     return popen("gnuplot >/dev/null 2>&1", "w");
 }
 
@@ -143,6 +143,7 @@ bool bench_drawn(FILE *gnuplot, const char *path)
 
 int main(int count, char **arguments)
 {
+    dmn_streams_open("fovea-bench");
     const size_t all = sizeof measurement / sizeof *measurement;
     const char *name = count > 1 ? arguments[1] : "";
     for (size_t i = 0; i < all; i++)

@@ -1,0 +1,41 @@
+/* Standard input and output, from first to last. */
+#include "streams.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char *name;
+
+/* stdio remembers that a write failed, but not why: another one tells. */
+static void close_output(void)
+{
+    bool written = !fflush(stdout);
+
+    if (written && ferror(stdout)) {
+        written = false;
+        if (write(STDOUT_FILENO, "\n", 1) == 1) errno = EIO;
+    }
+    if (written && !fclose(stdout)) return;
+    /* Who closed a pipe knows. */
+    if (errno != EPIPE) fprintf(stderr, "%s: the output cannot be written: %s\n", name, strerror(errno));
+    _exit(1);
+}
+
+void dmn_streams_open(const char *program)
+{
+    int fd;
+
+    do fd = open("/dev/null", O_RDWR);
+    while (fd >= 0 && fd <= STDERR_FILENO);
+    if (fd >= 0) close(fd);
+    signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN);
+    name = program;
+    atexit(close_output);
+}
