@@ -1,13 +1,11 @@
 /* foveactl gaze plot: a gaze log as a chart, drawn by gnuplot: yaw and pitch over time with what the eye did,
  * and the path of gaze over an equirectangular picture's frame. */
 #include <ctype.h>
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <sys/wait.h>
 
+#include "chart.h"
 #include "ctl.h"
 #include "tracker.h"
 
@@ -203,15 +201,14 @@ static bool draw(const char *path, const char *out_path, const struct trk_log *l
                  const struct trk_rate *rate, const struct trk_events *events)
 {
     bool is_png = ctl_ends_with(out_path, ".png");
-    FILE *out = popen("gnuplot >/dev/null 2>&1", "w");
-    struct stat file;
-    int status;
+    char error[DMN_FILE_ERROR_SIZE];
+    struct dmn_chart chart;
+    FILE *out;
 
-    if (!out) return ctl_fail("gnuplot: %s", strerror(errno));
-    fprintf(out, "set terminal %s size 1200,1200 font 'sans,%d' %s\nset output ", is_png ? "pngcairo" : "svg",
+    if (!dmn_chart_begin(&chart, error)) return ctl_fail("%s", error);
+    out = chart.commands;
+    fprintf(out, "set terminal %s size 1200,1200 font 'sans,%d' %s\n", is_png ? "pngcairo" : "svg",
             is_png ? 11 : 14, is_png ? "" : "background rgb 'white'");
-    put_quoted(out, out_path);
-    fputc('\n', out);
     fputs(SETUP, out);
     put_bands(out, log, events);
     put_fixations(out, log, events);
@@ -221,12 +218,7 @@ static bool draw(const char *path, const char *out_path, const struct trk_log *l
     put_path(out, "pursuit", log, rate, events, TRK_PURSUIT);
     put_path(out, "saccade", log, rate, events, TRK_SACCADE);
     put_charts(out, path, log);
-    status = pclose(out);
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
-        return ctl_fail("gnuplot is missing: apt-get install gnuplot-nox");
-    if (status != 0 || stat(out_path, &file) != 0 || file.st_size == 0)
-        return ctl_fail("%s: gnuplot could not draw it there", out_path);
-    return true;
+    return dmn_chart_end(&chart, out_path, error) || ctl_fail("%s", error);
 }
 
 int ctl_gaze_plot(const struct ctl *ctl)

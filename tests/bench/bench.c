@@ -6,11 +6,9 @@
 #include <float.h>
 #include <getopt.h>
 #include <math.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 
 static const struct {
     const char *name, *help;
@@ -125,19 +123,9 @@ double bench_median(const double *values, int count)
     return count % 2 ? sorted[count / 2] : 0.5 * (sorted[count / 2 - 1] + sorted[count / 2]);
 }
 
-FILE *bench_draw(void)
+bool bench_fail(const char *error)
 {
-    return popen("gnuplot >/dev/null 2>&1", "w");
-}
-
-bool bench_drawn(FILE *gnuplot, const char *path)
-{
-    const int status = gnuplot ? pclose(gnuplot) : -1;
-    if (status == 0) return true;
-    if (status > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 127) /* the shell's word for it */
-        fprintf(stderr, "fovea-bench: gnuplot is missing: apt-get install gnuplot-nox\n");
-    else
-        fprintf(stderr, "fovea-bench: %s: gnuplot could not draw it there\n", path);
+    fprintf(stderr, "fovea-bench: %s\n", error);
     return false;
 }
 

@@ -37,15 +37,13 @@ bool bench_options(int count, char **arguments, const char *help, const struct b
     "  --sun A,E,S,D      azimuth, elevation, irradiance, angular diameter (deg)\n"                          \
     "  --eye X,Y,Z        m\n"
 
+/* One line on stderr; returns false. */
+bool bench_fail(const char *error);
+
 /* What a clock of clock_gettime() shows, s. */
 double bench_seconds(clockid_t clock);
 
 /* Median of count values, at most 99. */
 double bench_median(const double *values, int count);
-
-/* gnuplot, to write commands to; NULL if there can be no pipe. bench_drawn() ends it (accepts NULL): false
- * after a line on stderr if it has not drawn path. */
-FILE *bench_draw(void);
-bool bench_drawn(FILE *gnuplot, const char *path);
 
 #endif

@@ -5,6 +5,7 @@
  * around the disc, drawn from other random numbers. Only the time of batches counts.
  */
 #include "bench.h"
+#include "chart.h"
 #include "renderer.h"
 
 #include <jansson.h>
@@ -268,15 +269,17 @@ static void print_table(const struct setup *setup, const struct way *ways, int c
 
 static bool plot(const struct setup *setup, const struct way *ways, int count)
 {
-    FILE *gnuplot = bench_draw();
-    if (!gnuplot) return bench_drawn(gnuplot, setup->plot);
+    char error[DMN_FILE_ERROR_SIZE];
+    struct dmn_chart chart;
+    if (!dmn_chart_begin(&chart, error)) return bench_fail(error);
+    FILE *gnuplot = chart.commands;
     fprintf(
         gnuplot,
-        "set terminal svg size 800,560 font 'sans,14' background 'white'\nset output '%s'\nset logscale xy\n"
+        "set terminal svg size 800,560 font 'sans,14' background 'white'\nset logscale xy\n"
         "set xlabel 'rendering time, s'\nset ylabel 'relative RMSE of the gaze disc (5.79 degrees)'\nset "
         "grid\n"
         "set key top right\nplot %g with lines dashtype 2 linecolor 'grey' title 'target'",
-        setup->plot, setup->target);
+        setup->target);
     for (int i = 0; i < count; i++)
         fprintf(gnuplot, ", '-' with lines linewidth 2 title '%s: %s'", ways[i].distribution->name,
                 ways[i].distribution->summary);
@@ -286,7 +289,7 @@ static bool plot(const struct setup *setup, const struct way *ways, int count)
             fprintf(gnuplot, "%g %g\n", ways[i].time[k], ways[i].error[k]);
         fprintf(gnuplot, "e\n");
     }
-    return bench_drawn(gnuplot, setup->plot);
+    return dmn_chart_end(&chart, setup->plot, error) || bench_fail(error);
 }
 
 int bench_converge(int count, char **arguments)

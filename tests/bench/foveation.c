@@ -6,6 +6,7 @@
  * takes it away, and it would hide what they do. Only times at which the tracker can see the eye count.
  */
 #include "bench.h"
+#include "chart.h"
 #include "source/observer.h"
 #include "tracker.h"
 
@@ -371,15 +372,17 @@ static void print_json(const struct setup *setup, const struct result *result)
 static bool plot(const struct setup *setup, const struct result *result)
 {
     static const char *const colours[WAYS] = {"#999999", "#0072b2", "#d55e00"};
-    FILE *gnuplot = bench_draw();
-    if (!gnuplot) return bench_drawn(gnuplot, setup->plot);
+    char error[DMN_FILE_ERROR_SIZE];
+    struct dmn_chart chart;
+    if (!dmn_chart_begin(&chart, error)) return bench_fail(error);
+    FILE *gnuplot = chart.commands;
     fprintf(gnuplot,
-            "set terminal svg size 1000,720 font 'sans,14' background 'white'\nset output '%s'\n"
+            "set terminal svg size 1000,720 font 'sans,14' background 'white'\n"
             "set multiplot layout 2,2 title \"Foveation error around saccades of 5 to 30 degrees\\n"
             "{/*0.8 tracker at %d Hz, noise %g degrees; medians}\"\n"
             "set grid\nset xrange [%d:%d]\nset yrange [0.05:20]\nset logscale y\nset xtics 50\n"
             "set arrow 1 from 0,graph 0 to 0,graph 1 nohead dashtype 3\n",
-            setup->plot, RATE_HZ, setup->noise_deg, CHART_FROM_MS, CHART_TO_MS);
+            RATE_HZ, setup->noise_deg, CHART_FROM_MS, CHART_TO_MS);
     for (int l = 0; l < LATENCIES; l++) {
         fprintf(gnuplot, "set title 'latency %d ms'\n%s\nset xlabel '%s'\nset ylabel '%s'\nplot ",
                 latency_ms[l], l == 0 ? "set key top right" : "unset key",
@@ -396,7 +399,7 @@ static bool plot(const struct setup *setup, const struct result *result)
         }
     }
     fputs("unset multiplot\n", gnuplot);
-    return bench_drawn(gnuplot, setup->plot);
+    return dmn_chart_end(&chart, setup->plot, error) || bench_fail(error);
 }
 
 int bench_foveation(int count, char **arguments)

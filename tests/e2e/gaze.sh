@@ -70,7 +70,7 @@ if ! command -v gnuplot >/dev/null; then
     echo "gaze.sh: no gnuplot here, plots are not tested"
     exit 0
 fi
-refused 'could not draw' plot "$hall" "$dir/none/x.svg"
+refused 'No such file' plot "$hall" "$dir/none/x.svg"
 "$ctl" gaze plot "$hall" "$dir/it's.svg" >"$dir/out"
 cp "$dir/it's.svg" "$dir/out"
 has '<svg'

@@ -1,0 +1,19 @@
+/* chart: what gnuplot draws, as a file that is there whole or not at all. */
+#ifndef FOVEAD_DAEMON_CHART_H
+#define FOVEAD_DAEMON_CHART_H
+
+#include "file.h"
+
+struct dmn_chart {
+    FILE *commands; /* to gnuplot, which draws to its standard output */
+    int drawn;      /* what it has drawn */
+};
+
+/* False with a line in out_error, and nothing to end, on failure. */
+bool dmn_chart_begin(struct dmn_chart *chart, char out_error[DMN_FILE_ERROR_SIZE]);
+
+/* Write the chart to a path that ends in .svg or .png, as the terminal that the commands have set. False with
+ * a line in out_error: gnuplot is missing or failed, or the file could not be written. */
+bool dmn_chart_end(struct dmn_chart *chart, const char *path, char out_error[DMN_FILE_ERROR_SIZE]);
+
+#endif
