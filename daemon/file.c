@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 enum { DIGITS = 8, TRIES = 100 };
-static const char END[] = ".part";
+static const char MARK[] = ".fovead-", END[] = ".part"; /* around the digits */
 
 static bool fail(char out_error[DMN_FILE_ERROR_SIZE], const char *format, ...)
     __attribute__((format(printf, 2, 3)));
@@ -50,14 +50,14 @@ static int open_folder(const char *path)
 
 /* --- what is there already --- */
 
-/* Is this an entry for a part of the file called name? */
-static bool is_part_of(const char *entry, const char *name)
+/* Is this the name of a part, of whatever file? */
+static bool is_part(const char *entry)
 {
-    size_t length = strlen(name);
+    size_t length = strlen(entry), tail = strlen(MARK) + DIGITS + strlen(END);
+    const char *digits = entry + length - DIGITS - strlen(END);
 
-    return strlen(entry) == length + 1 + DIGITS + strlen(END) && !strncmp(entry, name, length) &&
-           entry[length] == '.' && strspn(entry + length + 1, "0123456789abcdef") == DIGITS &&
-           !strcmp(entry + length + 1 + DIGITS, END);
+    return length > tail && !strncmp(digits - strlen(MARK), MARK, strlen(MARK)) &&
+           strspn(digits, "0123456789abcdef") == DIGITS && !strcmp(digits + DIGITS, END);
 }
 
 /* A file of this user's that no program holds a lock on. */
@@ -72,16 +72,15 @@ static bool is_abandoned(int folder, const char *entry)
     return abandoned;
 }
 
+/* In the folder of path. */
 static void remove_leftovers(const char *path)
 {
-    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
     int fd = open_folder(path);
     DIR *folder = fd >= 0 ? fdopendir(fd) : NULL;
     struct dirent *entry;
 
     while (folder && (entry = readdir(folder)))
-        if (is_part_of(entry->d_name, name) && is_abandoned(fd, entry->d_name))
-            unlinkat(fd, entry->d_name, 0);
+        if (is_part(entry->d_name) && is_abandoned(fd, entry->d_name)) unlinkat(fd, entry->d_name, 0);
     if (folder)
         closedir(folder);
     else if (fd >= 0)
@@ -126,7 +125,7 @@ static bool name_part(struct dmn_file *file)
     free(file->part);
     file->part = NULL;
     return getrandom(&number, sizeof(number), 0) == sizeof(number) &&
-           asprintf(&file->part, "%s.%08x%s", file->path, (unsigned)number, END) >= 0;
+           asprintf(&file->part, "%s%s%08x%s", file->path, MARK, (unsigned)number, END) >= 0;
 }
 
 /* A file without a name can get one by way of /proc alone. */

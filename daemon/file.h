@@ -1,9 +1,9 @@
 /* file: files that appear whole or not at all, whatever the disk does and whenever the program is killed.
  *
  * What is written goes to a file without a name in the folder of the path, or, where the file system has no
- * such files, to one called PATH.<8 hex digits>.part. It gets its name when every byte of it is on the disk;
- * a file of that name stays as it was until then. A part that a killed program left behind is removed when
- * the same path is written again. */
+ * such files, to one called PATH.fovead-<8 hex digits>.part. It gets its name when every byte of it is on
+ * the disk; a file of that name stays as it was until then. A part that a killed program left behind is
+ * removed when anything is written to the same folder. */
 #ifndef FOVEAD_DAEMON_FILE_H
 #define FOVEAD_DAEMON_FILE_H
 
@@ -21,8 +21,9 @@ struct dmn_file {
     bool replace;
 };
 
-/* Can a file be written there? Removes what killed programs have left of it. False with a line in out_error:
- * the folder cannot be written; what is there is no regular file, is being recorded, or may not go. */
+/* Can a file be written there? Removes what killed programs have left in its folder. False with a line in
+ * out_error: the folder cannot be written; what is there is no regular file, is being recorded, or may not
+ * go. */
 bool dmn_file_check(const char *path, bool replace, char out_error[DMN_FILE_ERROR_SIZE]);
 
 /* Begin a file with this mode, but for the umask. replace: a file that is there may go. False with a line in

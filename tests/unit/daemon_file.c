@@ -52,7 +52,7 @@ static int count_entries(bool do_remove)
     DIR *folder = opendir(dir);
     int count = 0;
     for (struct dirent *entry; (entry = readdir(folder));) {
-        if (entry->d_name[0] == '.') continue;
+        if (!strcmp(entry->d_name, ".") || !strcmp(entry->d_name, "..")) continue;
         count++;
         if (do_remove) unlinkat(dirfd(folder), entry->d_name, 0);
     }
@@ -225,15 +225,16 @@ static void is_kept(void **state)
     holds(path, "new");
 }
 
-/* Parts that killed programs have left of this file go; those of programs that live, and whatever else has
+/* Parts that killed programs have left in the folder go; those of programs that live, and whatever else has
  * such a name, stay. */
 static void removes_leftovers(void **state)
 {
     (void)state;
-    static const char *const names[] = {"x.exr.0123abcd.part",  "x.exr.fedcba98.part", "x.exr.01234567.part",
-                                        "x.exr.0123abcg.part",  "x.exr.0123abc.part",  "x.exr.0123abcd.part2",
-                                        "xx.exr.0123abcd.part", "x.exr.89abcdef.part"};
-    enum { COUNT = sizeof names / sizeof *names, LOCKED = 2, LINK = 7 };
+    static const char *const names[] = {
+        "x.exr.fovead-0123abcd.part", "y.gaze.fovead-fedcba98.part", "x.exr.fovead-01234567.part",
+        "x.exr.fovead-0123abcg.part", "x.exr.fovead-0123abc.part",   "x.exr.fovead-0123abcd.part2",
+        "x.exr.0123abcd.part",        ".fovead-0123abcd.part",       "x.exr.fovead-89abcdef.part"};
+    enum { COUNT = sizeof names / sizeof *names, LOCKED = 2, LINK = 8 };
     char name[COUNT][128];
     for (int i = 0; i < COUNT; i++) {
         snprintf(name[i], sizeof name[i], "%s/%s", dir, names[i]);
