@@ -22,6 +22,9 @@ enum {
 static const uint64_t LOOK_NS = 2000000, LONGEST_PAUSE_NS = 100000000;
 enum { LOOK_SHARE = 10 };
 
+/* How long the end waits for clients that do not read. */
+static const lws_usec_t BYE_US = 1000000;
+
 static const lws_usec_t TICK_US = 1000000 / DMN_CHECKS_A_SECOND;
 
 /* A connected client. */
@@ -38,12 +41,12 @@ struct dmn_loop {
     struct lws_vhost *vhost;
     struct peer *peers;
     unsigned numbers; /* given to clients so far */
-    lws_sorted_usec_list_t tick, look;
+    lws_sorted_usec_list_t tick, look, bye;
     bool look_waits;
     uint64_t looked_ns, look_cost_ns, painted; /* batches painted at the last look */
     struct rnd_tile *tiles;
     uint32_t *changed; /* room for the places of all of them */
-    bool stop;
+    bool stop, late;   /* the loop ends; clients have had time enough to take their Bye */
 };
 
 /* --- the state of the picture
@@ -418,11 +421,36 @@ void dmn_loop_wake(void *loop)
     lws_cancel_service(((struct dmn_loop *)loop)->context);
 }
 
+static void on_late(lws_sorted_usec_list_t *sul)
+{
+    lws_container_of(sul, struct dmn_loop, bye)->late = true;
+}
+
+static bool has_more_to_send(struct dmn_loop *loop)
+{
+    bool more = false;
+
+    for (struct peer *peer = loop->peers; peer; peer = peer->next)
+        more |= dmn_session_wants(peer->session) || lws_partial_buffered(peer->wsi);
+    return more;
+}
+
+/* Tell every client that this is the end, and no crash. */
+static void say_bye(struct dmn_loop *loop)
+{
+    for (struct peer *peer = loop->peers; peer; peer = peer->next) dmn_session_end(peer->session);
+    ask_to_write(loop);
+    lws_sul_schedule(loop->context, 0, &loop->bye, on_late, BYE_US);
+    while (!loop->late && has_more_to_send(loop) && lws_service(loop->context, 0) >= 0) continue;
+    lws_sul_cancel(&loop->bye);
+}
+
 void dmn_loop_run(struct dmn_loop *loop)
 {
     trk_be_prompt(); /* messages come before the threads that trace paths */
     lws_sul_schedule(loop->context, 0, &loop->tick, on_tick, TICK_US);
     while (!loop->stop && lws_service(loop->context, 0) >= 0) continue;
     lws_sul_cancel(&loop->tick);
+    say_bye(loop);
     lws_sul_cancel(&loop->look);
 }

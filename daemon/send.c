@@ -73,6 +73,15 @@ static uint8_t *answer(struct dmn_session *session, size_t *out_count)
     }
 }
 
+static uint8_t *bye(struct dmn_session *session, size_t *out_count)
+{
+    Fovea__Bye content = FOVEA__BYE__INIT;
+
+    /* A client that was not welcomed yet is not told: its connection just ends. */
+    session->bye_due = false;
+    return session->welcome_due ? NULL : pack(session, FOVEA__MESSAGE__BODY_BYE, &content, out_count);
+}
+
 static uint8_t *gaze(struct dmn_session *session, size_t *out_count)
 {
     Fovea__Gaze gaze = FOVEA__GAZE__INIT;
@@ -211,6 +220,7 @@ static uint8_t *tile(struct dmn_session *session, const struct dmn_place *place,
 
 bool dmn_session_wants(struct dmn_session *session)
 {
+    if (session->ending) return session->bye_due;
     if (!session->greeted) return false;
     return session->welcome_due || session->replies || session->stats_due ||
            (session->wants_gaze && dmn_gaze_has_next(session->common->gaze, session->gaze_cursor)) ||
@@ -222,6 +232,7 @@ uint8_t *dmn_session_frame(struct dmn_session *session, size_t *out_count)
     const struct dmn_place *place;
     uint8_t *frame;
 
+    if (session->ending) return session->bye_due ? bye(session, out_count) : NULL;
     if (!session->greeted) return NULL;
     if (session->welcome_due) return welcome(session, out_count);
     if (session->replies) return answer(session, out_count);
@@ -231,6 +242,12 @@ uint8_t *dmn_session_frame(struct dmn_session *session, size_t *out_count)
     while ((place = next_place(session)))
         if ((frame = tile(session, place, out_count))) return frame;
     return NULL;
+}
+
+void dmn_session_end(struct dmn_session *session)
+{
+    session->ending = true;
+    session->bye_due = session->greeted;
 }
 
 uint8_t *dmn_farewell(const char *why, size_t headroom, size_t *out_count)

@@ -67,6 +67,9 @@ bool dmn_session_wants(struct dmn_session *session);
  * memory. */
 uint8_t *dmn_session_frame(struct dmn_session *session, size_t *out_count);
 
+/* Send nothing more but Bye. */
+void dmn_session_end(struct dmn_session *session);
+
 /* A last frame that tells a client why it is dropped, as dmn_session_frame(). */
 uint8_t *dmn_farewell(const char *why, size_t headroom, size_t *out_count);
 

@@ -28,6 +28,7 @@ struct dmn_session {
     bool greeted, partial;
     Fovea__Message *held; /* its Hello, as long as its token is not looked at; NULL: none is held */
     uint64_t turn_ns;     /* when it is */
+    bool ending, bye_due; /* nothing but Bye is sent any more; it has not been */
 
     Fovea__Encoding encoding;
     uint32_t window;

@@ -233,6 +233,9 @@ static bool take(struct pro_client *client, const Fovea__Message *message, char 
         if (!welcomed) break;
         take_pong(client, message->pong);
         return true;
+    case FOVEA__MESSAGE__BODY_BYE:
+        if (!welcomed) break;
+        return true;
     case FOVEA__MESSAGE__BODY_STATS:
         if (!welcomed) break;
         pro_clean(message->stats->gaze_source);

@@ -23,6 +23,7 @@ enum {
     CTL_LDR = 1 << 12,
     CTL_MAP = 1 << 13,
     CTL_BY = 1 << 14,
+    CTL_WITHIN = 1 << 15,
     CTL_LOG_FORMAT = 1 << 16, /* what is told about a gaze log */
     CTL_LOG_TIME_UNIT = 1 << 17,
     CTL_LOG_FRAME = 1 << 18,
@@ -42,7 +43,7 @@ struct ctl {
     bool has_address; /* else the default */
     struct pro_address address;
     bool wait, json, until_finished, stop;
-    double seconds, settle;
+    double seconds, settle, within;
     bool view_gaze; /* the view's middle is the gaze */
     double view[3]; /* yaw, pitch, horizontal field of view: deg */
     int width, height;

@@ -14,7 +14,7 @@ static const struct ctl_command COMMANDS[] = {
     {"watch", "", "show how the picture grows, where the eye looks and how long things take", 0,
      CTL_DAEMON | CTL_JSON | CTL_FOR | CTL_UNTIL_FINISHED, ctl_watch},
     {"snapshot", "FILE", "save the picture as received: .exr, .png or .jpg; panorama or --view", 1,
-     CTL_DAEMON | CTL_JSON | CTL_VIEW | CTL_SIZE | CTL_EXPOSURE | CTL_SETTLE, ctl_snapshot},
+     CTL_DAEMON | CTL_JSON | CTL_VIEW | CTL_SIZE | CTL_EXPOSURE | CTL_SETTLE | CTL_WITHIN, ctl_snapshot},
     {"stats", "", "print the daemon's figures once", 0, CTL_DAEMON | CTL_JSON, ctl_stats},
     {"freeze", "", "keep sampling where the gaze is now", 0, CTL_DAEMON, ctl_freeze},
     {"unfreeze", "", "follow the gaze again", 0, CTL_DAEMON, ctl_unfreeze},
@@ -62,6 +62,7 @@ static const char HELP[] =
     "half below\n"
     "                          middle grey; 0. An .exr keeps the radiance as it is\n"
     "  --settle SECONDS        snapshot: wait for finer tiles once all is there; 1.5\n"
+    "  --within SECONDS        snapshot: give up if not all of the picture is there by then; 120\n"
     "  --by                    move: so far to the right, up and backward (the axes of the scene) from where "
     "the\n"
     "                          eye is\n"
@@ -91,6 +92,7 @@ static const struct option LONG[] = {
     {"view", required_argument, NULL, 'v'},
     {"size", required_argument, NULL, 'z'},
     {"settle", required_argument, NULL, 's'},
+    {"within", required_argument, NULL, 'W'},
     {"exposure", required_argument, NULL, 'x'},
     {"gaze", required_argument, NULL, 'g'},
     {"ppd", required_argument, NULL, 'P'},
@@ -128,6 +130,8 @@ static unsigned bit_of(int option)
         return CTL_SIZE;
     case 's':
         return CTL_SETTLE;
+    case 'W':
+        return CTL_WITHIN;
     case 'g':
         return CTL_GAZE;
     case 'x':
@@ -250,6 +254,8 @@ static bool take(struct ctl *ctl, int option, const char *text)
         return ctl_fail("--exposure wants stops or auto, not '%s'", text);
     case 's':
         return take_seconds("settle", text, &ctl->settle);
+    case 'W':
+        return take_seconds("within", text, &ctl->within);
     case 'p':
         return ctl->stop = true;
     case 'r':
@@ -340,7 +346,8 @@ static bool hide_negatives(int argc, char **argv)
 
 int main(int argc, char **argv)
 {
-    struct ctl ctl = {.settle = 1.5, .width = 1280, .height = 1280, .ppd = RND_FLIP_PPD, .arguments = argv};
+    struct ctl ctl = {
+        .settle = 1.5, .within = 120, .width = 1280, .height = 1280, .ppd = RND_FLIP_PPD, .arguments = argv};
     const struct ctl_command *command = NULL;
     char **own = calloc((size_t)argc + 1, sizeof(*own));
     int status = 1;
@@ -371,6 +378,7 @@ struct pro_client *ctl_connect(const struct ctl *ctl, Fovea__Encoding tiles, boo
     const char *token = getenv("FOVEAD_TOKEN");
     struct pro_address address = ctl->address;
     struct pro_client *client;
+    double patience_s = ctl->wait ? CTL_START_S : fmin(CTL_PATIENCE_S, ctl->within);
 
     if (!ctl->has_address && !pro_address_parse(NULL, &address, error)) return ctl_fail("%s", error), NULL;
     snprintf(name, sizeof(name), "foveactl %s " FOVEAD_VERSION, ctl->command);
@@ -379,8 +387,7 @@ struct pro_client *ctl_connect(const struct ctl *ctl, Fovea__Encoding tiles, boo
     hello.gaze = gaze;
     hello.stats = stats;
     if (token) hello.token = (char *)token;
-    client =
-        pro_connect(&address, &hello, (ctl->wait ? CTL_START_S : CTL_PATIENCE_S) * 1000, ctl->wait, error);
+    client = pro_connect(&address, &hello, (int)(patience_s * 1000), ctl->wait, error);
     if (!client) ctl_fail("%s", error);
     return client;
 }

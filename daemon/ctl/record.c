@@ -24,11 +24,21 @@ static bool request(struct pro_client *client, bool on, const char *path, bool r
     return ctl_request(client, &message, CTL_PATIENCE_S);
 }
 
+/* That the recording fails, at once; the daemon goes on trying. */
+static void tell(const Fovea__Stats *stats, bool *told)
+{
+    if (*stats->recording_error && !*told)
+        ctl_fail("%s; %llu samples are lost", stats->recording_error,
+                 (unsigned long long)stats->recording_lost);
+    *told |= *stats->recording_error;
+}
+
 /* Until the time is up, or Ctrl-C. */
 static bool wait_for(struct pro_client *client, double seconds)
 {
     uint64_t end_ns = dmn_now_ns() + (uint64_t)(seconds * 1e9);
     char error[PRO_ERROR_SIZE];
+    bool told = false;
 
     while (!interrupted && dmn_now_ns() < end_ns) {
         uint64_t left_ms = (end_ns - dmn_now_ns()) / 1000000 + 1;
@@ -36,6 +46,8 @@ static bool wait_for(struct pro_client *client, double seconds)
         enum pro_result result = pro_receive(client, left_ms < 50 ? (int)left_ms : 50, &message, error);
 
         if (result == PRO_BROKEN) return ctl_fail("%s", error);
+        if (result == PRO_MESSAGE && message->body_case == FOVEA__MESSAGE__BODY_STATS)
+            tell(message->stats, &told);
         if (result == PRO_MESSAGE) fovea__message__free_unpacked(message, NULL);
     }
     return true;
@@ -54,7 +66,7 @@ int ctl_record(const struct ctl *ctl)
         return 2;
     }
     if (file && !ctl_make_absolute(file, path)) return 1;
-    client = ctl_connect(ctl, FOVEA__ENCODING__ENCODING_NONE, false, false);
+    client = ctl_connect(ctl, FOVEA__ENCODING__ENCODING_NONE, false, ctl->given & CTL_FOR);
     if (!client) return 1;
     if (ctl->given & CTL_FOR) {
         sigaction(SIGINT, &action, NULL);

@@ -9,8 +9,6 @@
 #include "ctl.h"
 #include "image.h"
 
-/* A daemon that sends nothing for so long sends nothing at all. */
-static const uint64_t SILENCE_NS = CTL_PATIENCE_S * UINT64_C(1000000000);
 /* Summing up what has come is not free: not after every tile. */
 static const uint64_t LOOK_NS = 50000000;
 
@@ -43,10 +41,14 @@ static bool is_image(const char *path)
     return ctl_fail("snapshot wants a name that ends in .exr, .png or .jpg, not '%s'", path);
 }
 
-/* Receive until there is something everywhere, and a while longer for what is finer. */
+/* Receive until there is something everywhere, and a while longer for what is finer. Where the picture begins
+ * anew all the while, because the eye moves, that while counts from the first one that was whole, and the
+ * next one that is after it will do. */
 static bool gather(struct snapshot *snapshot)
 {
-    uint64_t heard_ns = dmn_now_ns(), looked_ns = 0, whole_ns = 0;
+    const struct ctl *ctl = snapshot->ctl;
+    uint64_t began_ns = dmn_now_ns(), looked_ns = 0, first_ns = 0;
+    bool whole = false;
 
     for (;;) {
         char error[PRO_ERROR_SIZE];
@@ -55,14 +57,14 @@ static bool gather(struct snapshot *snapshot)
         uint64_t now_ns = dmn_now_ns();
 
         /* What came before a daemon ended is still worth keeping, if it is whole. */
-        if (result == PRO_BROKEN) return whole_ns ? true : ctl_fail("%s", error);
+        if (result == PRO_BROKEN) return whole || ctl_fail("%s", error);
         if (result == PRO_MESSAGE && message->body_case == FOVEA__MESSAGE__BODY_TILE) {
-            heard_ns = now_ns;
             snapshot->tiles++;
             /* What was there is gone: the eye has moved, or the scene was edited. */
             if (message->tile->generation > snapshot->generation) {
                 snapshot->generation = message->tile->generation;
-                whole_ns = looked_ns = 0;
+                whole = false;
+                looked_ns = 0;
             }
         }
         /* Before the first sample there is an aim, but nobody looks there. */
@@ -73,14 +75,16 @@ static bool gather(struct snapshot *snapshot)
             snapshot->has_gaze = true;
         }
         if (result == PRO_MESSAGE) fovea__message__free_unpacked(message, NULL);
-        if (!whole_ns && now_ns - looked_ns >= LOOK_NS) {
+        if (!whole && now_ns - looked_ns >= LOOK_NS) {
             snapshot->coverage = pro_picture_coverage(pro_picture(snapshot->client));
             looked_ns = now_ns;
-            if (snapshot->coverage >= 1) whole_ns = now_ns;
+            whole = snapshot->coverage >= 1;
+            if (whole && !first_ns) first_ns = now_ns;
         }
-        if (whole_ns && (double)(now_ns - whole_ns) * 1e-9 >= snapshot->ctl->settle) return true;
-        if (!whole_ns && now_ns - heard_ns > SILENCE_NS)
-            return ctl_fail("the daemon has sent only %.0f %% of the picture", snapshot->coverage * 100);
+        if (whole && (double)(now_ns - first_ns) * 1e-9 >= ctl->settle) return true;
+        if (!whole && (double)(now_ns - began_ns) * 1e-9 >= ctl->within + (first_ns ? ctl->settle : 0))
+            return ctl_fail("after %g s only %.0f %% of the picture is there", ctl->within,
+                            snapshot->coverage * 100);
     }
 }
 

@@ -36,6 +36,7 @@ struct watch {
     Fovea__Stats stats; /* the newest; its numbers alone */
     Fovea__Tracker tracker;
     bool has_stats, has_tracker, has_gaze;
+    bool ended;                                     /* the daemon has, in order */
     char gaze_source[TRK_ERROR_SIZE], answer[1024]; /* to the last key */
     char recording[1024], recording_error[TRK_ERROR_SIZE];
     char scene[1024], refused[RND_ERROR_SIZE];
@@ -114,6 +115,9 @@ static void take(struct watch *watch, const Fovea__Message *message)
         break;
     case FOVEA__MESSAGE__BODY_STATS:
         take_stats(watch, message->stats);
+        break;
+    case FOVEA__MESSAGE__BODY_BYE:
+        watch->ended = true;
         break;
     case FOVEA__MESSAGE__BODY_DONE:
         snprintf(watch->answer, sizeof(watch->answer), "%s", message->done->text);
@@ -297,9 +301,10 @@ static void print_json(const struct watch *watch, double seconds)
         "states", states_json(watch), "tracker",
         ctl_tracker_json(watch->has_tracker ? &watch->tracker : NULL), "recording", watch->recording,
         "recorded", (json_int_t)s->recorded, "recording_lost", (json_int_t)s->recording_lost,
-        "recording_error", watch->recording_error, "tiles_received", (json_int_t)watch->tiles, "bytes_received",
-        (json_int_t)watch->bytes, "batch_ms", s->batch_ms, "round_trip_ms", (double)round_trip_ns * 1e-6,
-        "coverage", pro_picture_coverage(pro_picture(watch->client)), "latency", latency_json(watch));
+        "recording_error", watch->recording_error, "tiles_received", (json_int_t)watch->tiles,
+        "bytes_received", (json_int_t)watch->bytes, "batch_ms", s->batch_ms, "round_trip_ms",
+        (double)round_trip_ns * 1e-6, "coverage", pro_picture_coverage(pro_picture(watch->client)), "latency",
+        latency_json(watch));
     if (object) json_dumpf(object, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
     if (object) putchar('\n');
     json_decref(object);
@@ -351,33 +356,36 @@ static bool press(struct watch *watch, char key)
     return true;
 }
 
-/* Until the time is up, the recording has ended, the daemon has gone, or Ctrl-C. */
-static void follow(struct watch *watch)
+/* Until the time is up, the recording or the daemon has ended, nobody reads, or Ctrl-C. False with a line in
+ * out_error if the connection breaks before. */
+static bool follow(struct watch *watch, char out_error[PRO_ERROR_SIZE])
 {
     const struct ctl *ctl = watch->ctl;
-    char error[PRO_ERROR_SIZE];
 
     trk_be_prompt(); /* so that latencies are not those of this program waiting for a processor */
-    while (!interrupted) {
+    while (!interrupted && !watch->ended && !ferror(stdout)) {
         Fovea__Message *message;
-        enum pro_result result = pro_receive(watch->client, 50, &message, error);
+        enum pro_result result = pro_receive(watch->client, 50, &message, out_error);
 
-        if (result == PRO_BROKEN) return;
+        if (result == PRO_BROKEN) return false;
         if (result == PRO_MESSAGE) {
             take(watch, message);
             fovea__message__free_unpacked(message, NULL);
         }
-        if (watch->keys && !press(watch, ctl_key())) return;
-        if (ctl->given & CTL_FOR && (double)(dmn_now_ns() - watch->began_ns) * 1e-9 >= ctl->seconds) return;
-        if (ctl->until_finished && watch->stats.finished) return;
+        if (watch->keys && !press(watch, ctl_key())) break;
+        if (ctl->given & CTL_FOR && (double)(dmn_now_ns() - watch->began_ns) * 1e-9 >= ctl->seconds) break;
+        if (ctl->until_finished && watch->stats.finished) break;
         draw(watch);
     }
+    return true;
 }
 
 int ctl_watch(const struct ctl *ctl)
 {
     struct sigaction action = {.sa_handler = on_interrupt};
     struct watch *watch = calloc(1, sizeof(*watch));
+    char error[PRO_ERROR_SIZE];
+    bool good;
 
     if (!watch) return ctl_fail("out of memory"), 1;
     watch->ctl = ctl;
@@ -395,7 +403,7 @@ int ctl_watch(const struct ctl *ctl)
     watch->began_ns = watch->drawn_ns = dmn_now_ns();
     if (!ctl->json) printf("%s\n", pro_welcome(watch->client)->scene);
     fflush(stdout);
-    follow(watch);
+    good = follow(watch, error);
     ctl_keys_end();
     watch->keys = false;
     watch->drawn_ns = dmn_now_ns();
@@ -403,7 +411,8 @@ int ctl_watch(const struct ctl *ctl)
         print_json(watch, (double)(watch->drawn_ns - watch->began_ns) * 1e-9);
     else
         draw_table(watch);
+    if (!good) ctl_fail("%s", error);
     pro_disconnect(watch->client);
     free(watch);
-    return 0;
+    return good ? 0 : 1;
 }
