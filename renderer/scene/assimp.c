@@ -2,6 +2,7 @@
 #include "scene/assimp.h"
 #include "scene/mtl_file.h"
 
+#include <assimp/cfileio.h>
 #include <assimp/cimport.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -176,6 +177,47 @@ static bool walk(struct rnd_import *in, void *file)
 
 /* --- the file --- */
 
+/* Beyond so many corners a face is cut into triangles in more time than anybody waits: it goes with their
+ * square. */
+enum { MOST_CORNERS = 10000 };
+
+/* See that faces are what the next steps of assimp take for granted. False and a line. */
+static bool check_faces(struct rnd_import *in, const struct aiMesh *mesh)
+{
+    for (unsigned f = 0; f < mesh->mNumFaces; f++) {
+        const struct aiFace *face = &mesh->mFaces[f];
+        if (face->mNumIndices == 0 || face->mNumIndices > MOST_CORNERS)
+            return rnd_import_fail(in, "mesh \"%.60s\": face %u has %u corners, expected 1 to %d",
+                                   mesh->mName.data, f, face->mNumIndices, MOST_CORNERS);
+        for (unsigned k = 0; k < face->mNumIndices; k++)
+            if (face->mIndices[k] >= mesh->mNumVertices)
+                return rnd_import_fail(in, "mesh \"%.60s\": face %u names vertex %u of %u", mesh->mName.data,
+                                       f, face->mIndices[k], mesh->mNumVertices);
+    }
+    return true;
+}
+
+/* What assimp makes of the file, of triangles. NULL and a line. */
+static const struct aiScene *open_file(struct rnd_import *in)
+{
+    const unsigned flags = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_FlipUVs;
+    struct aiFileIO files = rnd_assimp_files(in);
+    const struct aiScene *file = aiImportFileEx(in->path, 0, &files), *cut;
+    if (!file || !file->mRootNode) goto fail;
+    for (unsigned i = 0; i < file->mNumMeshes; i++)
+        if (!check_faces(in, file->mMeshes[i])) {
+            aiReleaseImport(file);
+            return NULL;
+        }
+    if ((cut = aiApplyPostProcessing(file, flags))) return cut;
+    file = NULL; /* it has gone with the failure */
+fail:;
+    const char *why = aiGetErrorString();
+    rnd_import_fail(in, "%s", why && *why ? why : "holds no scene that can be read");
+    if (file) aiReleaseImport(file);
+    return NULL;
+}
+
 static bool read_materials(struct rnd_import *in, const struct aiScene *file)
 {
     struct rnd_scene *scene = in->scene;
@@ -183,7 +225,8 @@ static bool read_materials(struct rnd_import *in, const struct aiScene *file)
     scene->material = calloc(scene->material_count + 1, sizeof *scene->material);
     if (!scene->material) return rnd_import_fail(in, "not enough memory");
     struct rnd_mtl_file mtl;
-    bool ok = rnd_mtl_file_read(&mtl, in->path, in->directory) || rnd_import_fail(in, "not enough memory");
+    bool ok = rnd_mtl_file_read(&mtl, in->path, in->directory, &scene->warnings) ||
+              rnd_import_fail(in, "not enough memory");
     for (uint32_t i = 0; ok && i < scene->material_count; i++)
         ok = rnd_mtl_material(in, file, file->mMaterials[i], &mtl, &scene->material[i]);
     rnd_mtl_file_finish(&mtl);
@@ -192,14 +235,8 @@ static bool read_materials(struct rnd_import *in, const struct aiScene *file)
 
 bool rnd_import_assimp(struct rnd_import *in)
 {
-    const unsigned flags = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_FlipUVs;
-    const struct aiScene *file = aiImportFile(in->path, flags);
-    if (!file || !file->mRootNode) {
-        const char *why = aiGetErrorString();
-        rnd_import_fail(in, "%s", why && *why ? why : "holds no scene that can be read");
-        if (file) aiReleaseImport(file);
-        return false;
-    }
+    const struct aiScene *file = open_file(in);
+    if (!file) return false;
     in->most = RND_MOST_TRIANGLES;
     bool ok = read_materials(in, file);
     for (unsigned i = 0; ok && i < file->mNumMeshes; i++) { /* shapes are meshes, in their order */

@@ -1,8 +1,10 @@
 /* Looking for the files that a scene names. */
 #include "scene/find_file.h"
+#include "scene/open_file.h"
 
 #include <ctype.h>
 #include <dirent.h>
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -77,6 +79,12 @@ static bool find_any_case(const char *directory, const char *name, char out[RND_
         if (rest && length + 1 < RND_PATH_SIZE) memcpy(out + length, "/", 2);
     }
     return is_file(out);
+}
+
+const char *rnd_why_not_found(const char *path)
+{
+    const char *why = rnd_why_closed(path);
+    return why ? why : strerrordesc_np(ENOENT);
 }
 
 bool rnd_find_file(const char *directory, const char *name, bool of_uri, char out[RND_PATH_SIZE])

@@ -13,5 +13,7 @@ enum { RND_PATH_SIZE = 4096 };
  * a URI: percent-encoding is undone, and only the base name counts of a URI that is not relative. Only
  * regular files are found. If there is none, out is where it was expected, and the result is false. */
 bool rnd_find_file(const char *directory, const char *name, bool of_uri, char out[RND_PATH_SIZE]);
+/* Why there is none where it was expected: a static text. */
+const char *rnd_why_not_found(const char *path);
 
 #endif

@@ -3,8 +3,8 @@
  */
 #include "scene/find_file.h"
 #include "scene/gltf.h"
+#include "scene/open_file.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -60,7 +60,8 @@ bool rnd_gltf_ask(struct rnd_gltf *gltf, size_t numbers, const char *where)
 /* size bytes of a file from start on. NULL with *out_there as many as there are. */
 static uint8_t *read_file(const char *path, size_t start, size_t size, size_t *out_there)
 {
-    FILE *file = fopen(path, "rb");
+    const char *why;
+    FILE *file = rnd_open_file(path, &why);
     struct stat status;
     uint8_t *bytes = NULL;
     *out_there = 0;
@@ -93,7 +94,7 @@ static uint8_t *read_uri(struct rnd_gltf *gltf, const char *uri, size_t size, co
         return bytes;
     }
     if (!rnd_find_file(gltf->in->directory, uri, true, path))
-        rnd_import_fail(gltf->in, "%s.uri: %.120s: %s", where, path, strerror(ENOENT));
+        rnd_import_fail(gltf->in, "%s.uri: %.120s: %s", where, path, rnd_why_not_found(path));
     else if (!(bytes = read_file(path, 0, size, &there)))
         rnd_import_fail(gltf->in, "%s.byteLength: %zu, but %.120s holds %zu bytes", where, size, path, there);
     return bytes;

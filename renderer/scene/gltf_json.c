@@ -1,7 +1,7 @@
 /* The JSON of a glTF file, of JSON alone or of a GLB's first chunk. */
 #include "scene/gltf.h"
+#include "scene/open_file.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -62,8 +62,9 @@ static bool parse(struct rnd_gltf *gltf, const char *text, size_t length)
 
 static bool load_json(struct rnd_gltf *gltf)
 {
-    FILE *file = fopen(gltf->in->path, "rb");
-    if (!file) return rnd_import_fail(gltf->in, "%s", strerror(errno));
+    const char *why;
+    FILE *file = rnd_open_file(gltf->in->path, &why);
+    if (!file) return rnd_import_fail(gltf->in, "%s", why);
     uint8_t magic[4] = {0};
     char *text = NULL;
     size_t start = 0;
@@ -71,7 +72,7 @@ static bool load_json(struct rnd_gltf *gltf)
     const long end = fseek(file, 0, SEEK_END) == 0 ? ftell(file) : -1;
     size_t length = end > 0 ? (size_t)end : 0;
     if (end < 0 || fseek(file, 0, SEEK_SET) != 0) {
-        rnd_import_fail(gltf->in, "is no plain file");
+        rnd_import_fail(gltf->in, "cannot be read");
         goto end;
     }
     if (fread(magic, 1, 4, file) == 4 && memcmp(magic, "glTF", 4) == 0) {

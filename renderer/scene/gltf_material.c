@@ -3,7 +3,6 @@
 #include "scene/gltf.h"
 #include "scene/material.h"
 
-#include <errno.h>
 #include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -91,7 +90,7 @@ static int read_image(struct reader *r, size_t index, const json_t *image, bool 
             return texture;
         }
         rnd_warn(&r->scene->warnings, "%s: images[%zu].uri: %s: %s; the material's factor is used alone",
-                 in->path, index, path, strerror(ENOENT));
+                 in->path, index, path, rnd_why_not_found(path));
         return -1;
     }
     snprintf(where, sizeof where, "images[%zu].bufferView", index);

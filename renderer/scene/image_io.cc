@@ -1,5 +1,6 @@
 // OpenImageIO behind image_io.h. Nothing is thrown across the boundary, and nothing else is done here.
 #include "scene/image_io.h"
+#include "scene/open_file.h"
 #include "scene/srgb.h"
 
 #include <OpenImageIO/filesystem.h>
@@ -123,6 +124,8 @@ extern "C" bool rnd_pixels_read(const char *path, const void *memory, size_t cou
                                 bool want_bytes, rnd_pixels *out_pixels, char *out_error, size_t error_size)
 {
     *out_pixels = rnd_pixels();
+    const char *why = memory ? nullptr : rnd_why_closed(path);
+    if (why) return fail(out_error, error_size, why);
     try {
         OIIO::Filesystem::IOMemReader reader(const_cast<void *>(memory), count);
         OIIO::Filesystem::IOProxy *proxy = &reader;

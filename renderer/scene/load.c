@@ -1,11 +1,10 @@
 /* A scene file: which reader it is for. */
 #include "scene/import.h"
+#include "scene/open_file.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
 
 /* Is it glTF: by its ending, or by the first bytes of a GLB? */
 static bool is_gltf(const char *path, const char start[4])
@@ -24,12 +23,9 @@ bool rnd_import(struct rnd_scene *scene, const char *path, char out_error[RND_ER
                      (int)sizeof in.directory)
         return rnd_import_fail(&in, "the path is too long");
 
-    struct stat status;
-    if (stat(path, &status) != 0) return rnd_import_fail(&in, "%s", strerror(errno));
-    if (!S_ISREG(status.st_mode))
-        return rnd_import_fail(&in, "%s", S_ISDIR(status.st_mode) ? strerror(EISDIR) : "is no plain file");
-    FILE *file = fopen(path, "rb"); /* assimp does not say why it cannot open a file */
-    if (!file) return rnd_import_fail(&in, "%s", strerror(errno));
+    const char *why;
+    FILE *file = rnd_open_file(path, &why); /* assimp does not say why it cannot open a file */
+    if (!file) return rnd_import_fail(&in, "%s", why);
     const size_t count = fread(start, 1, sizeof start, file);
     fclose(file);
     if (count == 0) return rnd_import_fail(&in, "is empty");

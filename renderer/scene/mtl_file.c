@@ -1,5 +1,6 @@
 /* The lines of OBJ and MTL that assimp's materials do not tell of. */
 #include "scene/mtl_file.h"
+#include "scene/open_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -83,12 +84,18 @@ static void take_key(struct rnd_mtl_material *m, const char *key, char *rest)
         if (strcasecmp(key, maps[k].key) == 0) take_options(m, maps[k].map, rest);
 }
 
-static bool read_library(struct rnd_mtl_file *file, const char *directory, const char *name)
+static bool read_library(struct rnd_mtl_file *file, const char *obj, const char *directory, const char *name,
+                         struct rnd_warnings *warnings)
 {
     char path[RND_PATH_SIZE], *line = NULL, *rest;
+    const char *why;
     size_t room = 0;
-    if (!rnd_find_file(directory, name, false, path)) return true; /* assimp has gone on without it */
-    FILE *from = fopen(path, "r");
+    if (!rnd_find_file(directory, name, false, path)) { /* assimp has gone on without it */
+        rnd_warn(warnings, "%.200s: mtllib %.200s: %s; its materials are left out", obj, name,
+                 rnd_why_not_found(path));
+        return true;
+    }
+    FILE *from = rnd_open_file(path, &why);
     void *grown = realloc(file->directory, ((size_t)file->libraries + 1) * sizeof *file->directory);
     bool ok = grown != NULL;
     if (grown) file->directory = grown;
@@ -109,7 +116,8 @@ static bool read_library(struct rnd_mtl_file *file, const char *directory, const
     return ok;
 }
 
-bool rnd_mtl_file_read(struct rnd_mtl_file *file, const char *path, const char *directory)
+bool rnd_mtl_file_read(struct rnd_mtl_file *file, const char *path, const char *directory,
+                       struct rnd_warnings *warnings)
 {
     const char *dot = strrchr(path, '.');
     char *line = NULL, *rest;
@@ -117,11 +125,12 @@ bool rnd_mtl_file_read(struct rnd_mtl_file *file, const char *path, const char *
     bool ok = true;
     *file = (struct rnd_mtl_file){0};
     if (!dot || strcasecmp(dot, ".obj") != 0) return true;
-    FILE *from = fopen(path, "r");
+    const char *why;
+    FILE *from = rnd_open_file(path, &why);
     while (from && ok && getline(&line, &room, from) >= 0)
         if (strncmp(line + strspn(line, blanks), "mtllib", 6) == 0 &&
             strcmp(split(line, &rest), "mtllib") == 0)
-            ok = read_library(file, directory, rest);
+            ok = read_library(file, path, directory, rest, warnings);
     free(line);
     if (from) fclose(from);
     return ok;

@@ -4,6 +4,7 @@
 #define FOVEAD_RENDERER_MTL_FILE_H
 
 #include "scene/find_file.h"
+#include "scene/scene.h"
 
 /* Maps whose options are kept. */
 enum rnd_mtl_map { RND_MTL_KD, RND_MTL_KS, RND_MTL_KE, RND_MTL_D, RND_MTL_NORMAL, RND_MTL_MAPS };
@@ -24,8 +25,10 @@ struct rnd_mtl_file {
     struct rnd_mtl_material *material;
 };
 
-/* Read the libraries that an OBJ names; of any other file there are none. False if memory is short. */
-bool rnd_mtl_file_read(struct rnd_mtl_file *file, const char *path, const char *directory);
+/* Read the libraries that an OBJ names, with a warning of each that cannot be read; of any other file there are
+ * none. False if memory is short. */
+bool rnd_mtl_file_read(struct rnd_mtl_file *file, const char *path, const char *directory,
+                       struct rnd_warnings *warnings);
 void rnd_mtl_file_finish(struct rnd_mtl_file *file);
 
 /* The last material of that name, as assimp takes it; NULL if there is none. */

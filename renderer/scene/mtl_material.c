@@ -8,7 +8,6 @@
 #include <assimp/ObjMaterial.h>
 #include <assimp/material.h>
 #include <assimp/scene.h>
-#include <errno.h>
 #include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -71,7 +70,7 @@ static bool read_map(struct reader *r, enum aiTextureType type, enum rnd_map_use
     char path[RND_PATH_SIZE];
     if (!(r->lines && rnd_find_file(r->library, name.data, false, path)) &&
         !rnd_find_file(r->in->directory, name.data, false, path))
-        return go_without(r, path, strerror(ENOENT));
+        return go_without(r, path, rnd_why_not_found(path));
     map->texture = rnd_texture_add(r->in->scene, path, NULL, 0, pixels, r->in->error);
     return map->texture >= 0;
 }
