@@ -14,9 +14,11 @@
 #ifndef FOVEAD_DAEMON_H
 #define FOVEAD_DAEMON_H
 
+#include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #include "protocol.h"
 #include "renderer.h"
@@ -28,6 +30,14 @@ enum {
     DMN_OUTLINE_PATHS = 16,  /* paths that rnd_render_outline() leaves in a tile of the film */
     DMN_FARTHEST = 10000000, /* m, of the eye from the origin along each axis: beyond, floats skip metres */
 };
+
+/* --- text for people
+ * ----------------------------------------------------------------------------------------------------- */
+
+/* As fprintf(), but that what is no line end and moves a terminal's cursor becomes blanks: names come from files,
+ * devices and peers. */
+void dmn_print(FILE *out, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void dmn_vprint(FILE *out, const char *format, va_list arguments);
 
 /* --- numbers and directions
  * ---------------------------------------------------------------------------------- */

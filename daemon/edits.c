@@ -2,6 +2,7 @@
 #include <ctype.h>
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <libgen.h>
 #include <poll.h>
 #include <pthread.h>
@@ -10,6 +11,7 @@
 #include <string.h>
 #include <sys/eventfd.h>
 #include <sys/inotify.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "report.h"
@@ -93,6 +95,26 @@ static bool finds(const char *text, size_t size, bool last, bool of_uri, const c
     return false;
 }
 
+/* The file, if it is a regular one: a pipe of that name would keep the thread waiting for ever. */
+static FILE *open_regular(const char *path)
+{
+    int fd = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+    struct stat status;
+    FILE *file = NULL;
+
+    if (fd < 0) return NULL;
+    if (!fstat(fd, &status) && S_ISREG(status.st_mode)) file = fdopen(fd, "rb");
+    if (!file) close(fd);
+    return file;
+}
+
+static bool is_told_to_stop(const struct dmn_edits *edits)
+{
+    struct pollfd wait = {.fd = edits->stop, .events = POLLIN};
+
+    return poll(&wait, 1, 0) > 0;
+}
+
 /* Is one of the changed files' names written in this file? */
 static bool names_one(const struct dmn_edits *edits, const char *folder, const char *name)
 {
@@ -102,8 +124,8 @@ static bool names_one(const struct dmn_edits *edits, const char *folder, const c
     FILE *file;
 
     snprintf(path, sizeof(path), "%s/%s", folder, name);
-    file = text ? fopen(path, "rb") : NULL;
-    while (file && !found && more > 0) {
+    file = text ? open_regular(path) : NULL;
+    while (file && !found && more > 0 && !is_told_to_stop(edits)) {
         more = fread(text + used, 1, CHUNK - used, file);
         used += more;
         for (int i = 0; i < edits->count && !found; i++)
@@ -255,7 +277,7 @@ static void take_up(struct dmn_edits *edits)
     }
     scene = rnd_scene_load(&files, error);
     if (!scene) {
-        fprintf(stderr, "fovead: the edit is not taken, the picture stays: %s\n", error);
+        dmn_print(stderr, "fovead: the edit is not taken, the picture stays: %s\n", error);
         tell(edits, NULL, error);
         return;
     }
@@ -263,7 +285,7 @@ static void take_up(struct dmn_edits *edits)
     former = dmn_painter_replace(edits->options.painter, scene);
     if (former != scene) {
         *edits->options.scene = scene;
-        fprintf(edits->options.out, "scene    %s\n", line);
+        dmn_print(edits->options.out, "scene    %s\n", line);
         fflush(edits->options.out);
         dmn_report_left_out(rnd_scene_info(scene), files.path);
         tell(edits, line, "");

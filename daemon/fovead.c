@@ -63,7 +63,7 @@ struct daemon {
 
 static bool fail(const char *error)
 {
-    fprintf(stderr, "fovead: %s\n", error);
+    dmn_print(stderr, "fovead: %s\n", error);
     return false;
 }
 
@@ -133,17 +133,17 @@ static void print_start(const struct daemon *daemon)
 
     dmn_gaze_state(daemon->common.gaze, &gaze);
     dmn_report_left_out(info, options->scene.path);
-    fprintf(daemon->out, "scene    %s\n", daemon->common.words.line);
-    fprintf(daemon->out, "eye      %.8g,%.8g,%.8g m\n", info->eye[0], info->eye[1], info->eye[2]);
-    fprintf(daemon->out, "gaze     %s\n", gaze.source.description);
-    if (*gaze.recording) fprintf(daemon->out, "records  %s\n", gaze.recording);
-    fprintf(daemon->out, "film     %dx%d, mode %s, %d threads\n", options->render.width,
+    dmn_print(daemon->out, "scene    %s\n", daemon->common.words.line);
+    dmn_print(daemon->out, "eye      %.8g,%.8g,%.8g m\n", info->eye[0], info->eye[1], info->eye[2]);
+    dmn_print(daemon->out, "gaze     %s\n", gaze.source.description);
+    if (*gaze.recording) dmn_print(daemon->out, "records  %s\n", gaze.recording);
+    dmn_print(daemon->out, "film     %dx%d, mode %s, %d threads\n", options->render.width,
             options->render.height, options->render.distribution->name, options->render.threads);
     for (int i = 0; i < daemon->listeners; i++) {
         pro_address_print(&daemon->listener[i].address, address, sizeof(address));
-        fprintf(daemon->out, "listens  %s\n", address);
+        dmn_print(daemon->out, "listens  %s\n", address);
     }
-    fprintf(daemon->out, "fovead: ready\n");
+    dmn_print(daemon->out, "fovead: ready\n");
     fflush(daemon->out);
 }
 
@@ -244,7 +244,7 @@ static bool finish_recording(struct daemon *daemon)
     dmn_gaze_state(daemon->common.gaze, &state);
     if (!*state.recording) return true;
     if (!dmn_gaze_record(daemon->common.gaze, NULL, false, text)) return fail(text);
-    fprintf(daemon->out, "fovead: %s\n", text);
+    dmn_print(daemon->out, "fovead: %s\n", text);
     return true;
 }
 

@@ -221,7 +221,7 @@ static void note_status(struct dmn_gaze *gaze, const struct trk_status *status)
 {
     static const float none[4] = {0, 0, 0, 1};
 
-    if (status->changes != gaze->status.changes) fprintf(stderr, "fovead: gaze: %s\n", status->description);
+    if (status->changes != gaze->status.changes) dmn_print(stderr, "fovead: gaze: %s\n", status->description);
     gaze->status = *status;
     trk_attention_pace(gaze->attention, status->speed);
     if (!status->is_device || gaze->recentred) return;
@@ -258,7 +258,7 @@ static bool read_one(struct dmn_gaze *gaze, uint64_t until_ns, enum trk_result *
     else
         *out_news = !gaze->ended && decide(gaze, NULL, now_ns);
     pthread_mutex_unlock(&gaze->lock);
-    if (*out_result == TRK_FAILED) fprintf(stderr, "fovead: gaze: %s; it stays where it was\n", error);
+    if (*out_result == TRK_FAILED) dmn_print(stderr, "fovead: gaze: %s; it stays where it was\n", error);
     return more;
 }
 

@@ -154,7 +154,7 @@ static void drop(struct peer *peer, const char *why)
     size_t count;
     uint8_t *frame;
 
-    fprintf(stderr, "fovead: client %u (%s) dropped: %s\n", dmn_session_number(peer->session),
+    dmn_print(stderr, "fovead: client %u (%s) dropped: %s\n", dmn_session_number(peer->session),
             dmn_session_peer(peer->session), why);
     if (lws_send_pipe_choked(peer->wsi) || !(frame = dmn_farewell(why, LWS_PRE, &count))) return;
     lws_write(peer->wsi, frame + LWS_PRE, count, LWS_WRITE_RAW);
@@ -211,7 +211,7 @@ static void turn_away(int fd, const char *name)
     size_t count;
 
     snprintf(why, sizeof(why), "%d clients are connected, which is the most", MOST_CLIENTS);
-    fprintf(stderr, "fovead: client (%s) turned away: %s\n", name, why);
+    dmn_print(stderr, "fovead: client (%s) turned away: %s\n", name, why);
     frame = dmn_farewell(why, 0, &count);
     if (frame) (void)!send(fd, frame, count, MSG_DONTWAIT | MSG_NOSIGNAL);
     free(frame);
@@ -240,7 +240,7 @@ static void welcome_in(struct dmn_loop *loop, struct dmn_listener *listener, int
     /* On failure libwebsockets has closed fd, and may or may not have told on_client. */
     peer->wsi = lws_adopt_descriptor_vhost_via_info(&adopt);
     if (!peer->wsi) {
-        fprintf(stderr, "fovead: client %u (%s) cannot be served\n", loop->numbers, from->name);
+        dmn_print(stderr, "fovead: client %u (%s) cannot be served\n", loop->numbers, from->name);
         dmn_session_destroy(peer->session);
         free(peer);
         return;

@@ -122,7 +122,7 @@ static bool refuse(const char *format, ...)
 
     fputs("fovead: ", stderr);
     va_start(args, format);
-    vfprintf(stderr, format, args);
+    dmn_vprint(stderr, format, args);
     va_end(args);
     fputs("; see fovead --help\n", stderr);
     return false;

@@ -25,13 +25,14 @@ void dmn_report_scene(const struct rnd_scene_info *info, const char *path, char 
         info->materials, info->textures, textures, info->punctual_lights,
         info->has_env ? ", environment" : "", info->has_sun ? ", sun" : "", info->read_seconds,
         info->build_seconds);
+    rnd_make_printable(out_line);
 }
 
 void dmn_report_warnings(const char *lines)
 {
     for (size_t length; *lines; lines += length + 1) {
         length = strcspn(lines, "\n");
-        fprintf(stderr, "fovead: warning: %.*s\n", (int)length, lines);
+        dmn_print(stderr, "fovead: warning: %.*s\n", (int)length, lines);
     }
 }
 
@@ -39,7 +40,7 @@ void dmn_report_left_out(const struct rnd_scene_info *info, const char *path)
 {
     dmn_report_warnings(info->warnings);
     if (*info->unsupported)
-        fprintf(stderr, "fovead: %s asks for what is left out here: %s\n", path, info->unsupported);
+        dmn_print(stderr, "fovead: %s asks for what is left out here: %s\n", path, info->unsupported);
 }
 
 /* Seconds as people read them. */
@@ -113,7 +114,7 @@ static void print_table(const struct dmn_common *common, const struct dmn_work *
         printf("gaze         %llu samples, %llu valid\n", (unsigned long long)gaze->samples,
                (unsigned long long)gaze->valid);
     if (work->not_finite) printf("not finite   %llu paths left out\n", (unsigned long long)work->not_finite);
-    if (saved) printf("saved        %s\n", options->save);
+    if (saved) dmn_print(stdout, "saved        %s\n", options->save);
 }
 
 static void print_json(const struct dmn_common *common, const struct dmn_work *work,

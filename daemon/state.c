@@ -30,7 +30,7 @@ bool dmn_state_load(float out_rotation[4])
     if (!dmn_state_path(path, sizeof(path)) || (stat(path, &file) && (errno == ENOENT || errno == ENOTDIR)))
         return false;
     if (trk_recentre_load(path, out_rotation, error)) return true;
-    fprintf(stderr, "fovead: %s; gaze is not recentred\n", error);
+    dmn_print(stderr, "fovead: %s; gaze is not recentred\n", error);
     return false;
 }
 

@@ -5,6 +5,7 @@
 #include <jansson.h>
 
 #include "tracker.h"
+#include "daemon.h"
 #include "trackers.h"
 
 enum { MOST = 64 };
@@ -15,10 +16,10 @@ static void print_table(const struct trk_device_info *devices, size_t count)
     for (size_t i = 0; i < count; i++) {
         const struct trk_device_info *device = &devices[i];
 
-        printf("%s\n", device->name);
-        printf("    use it      --gaze %s\n", device->source);
-        if (*device->abilities) printf("    can do      %s\n", device->abilities);
-        if (*device->problem) printf("    problem     %s\n", device->problem);
+        dmn_print(stdout, "%s\n", device->name);
+        dmn_print(stdout, "    use it      --gaze %s\n", device->source);
+        if (*device->abilities) dmn_print(stdout, "    can do      %s\n", device->abilities);
+        if (*device->problem) dmn_print(stdout, "    problem     %s\n", device->problem);
     }
 }
 

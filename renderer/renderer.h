@@ -269,6 +269,12 @@ bool rnd_image_write(FILE *file, const char *name, int width, int height, const 
 bool rnd_image_view(const float *rgb, int width, int height, const float orientation[4], float fov_x,
                     int out_width, int out_height, float *out_rgb);
 
+/* --- text
+ * ------------------------------------------------------------------------------------------------- */
+
+/* Put blanks for control characters (C0, DEL, C1): names of files and in files may hold anything. */
+void rnd_make_printable(char *text);
+
 /* --- metrics
  * ------------------------------------------------------------------------------------------------- */
 

@@ -11,5 +11,7 @@
 bool trk_fail(char out_error[TRK_ERROR_SIZE], const char *format, ...) __attribute__((format(printf, 2, 3)));
 bool trk_vfail(char out_error[TRK_ERROR_SIZE], const char *prefix, const char *format, va_list arguments)
     __attribute__((format(printf, 3, 0)));
+/* Put '?' for control characters: C0, DEL, and C1 as a byte or as UTF-8. */
+void trk_make_printable(char *text);
 
 #endif

@@ -72,7 +72,7 @@ static void print_table(const struct comparison *c)
 {
     const struct rnd_flip *flip = &c->flip;
 
-    printf("%s against %s: %dx%d, %s\n", c->ctl->operand[1], c->ctl->operand[0], c->width, c->height,
+    dmn_print(stdout, "%s against %s: %dx%d, %s\n", c->ctl->operand[1], c->ctl->operand[0], c->width, c->height,
            c->hdr       ? "both hold light"
            : c->display ? "values for a display"
                         : "light from 0 to 1, as a display shows it");
@@ -90,7 +90,7 @@ static void print_table(const struct comparison *c)
         printf("rel. RMSE  %.6g  of luminance, to the reference's mean, over the sphere (2:1: a panorama)\n",
                c->relative_rmse);
     if (!isnan(c->psnr_db)) printf("PSNR       %.4f dB  of sRGB values\n", c->psnr_db);
-    if (c->ctl->map) printf("map        %s\n", c->ctl->map);
+    if (c->ctl->map) dmn_print(stdout, "map        %s\n", c->ctl->map);
 }
 
 /* JSON has no infinity. */

@@ -176,7 +176,7 @@ bool ctl_fail(const char *format, ...)
 
     fputs("foveactl: ", stderr);
     va_start(args, format);
-    vfprintf(stderr, format, args);
+    dmn_vprint(stderr, format, args);
     va_end(args);
     fputc('\n', stderr);
     return false;
@@ -423,7 +423,7 @@ bool ctl_request(struct pro_client *client, const Fovea__Message *message, doubl
     if (!(answer = ctl_await(client, FOVEA__MESSAGE__BODY_DONE, seconds))) return false;
     good = answer->done->ok;
     if (good)
-        printf("%s\n", answer->done->text);
+        dmn_print(stdout, "%s\n", answer->done->text);
     else
         ctl_fail("%s", answer->done->text);
     fflush(stdout);

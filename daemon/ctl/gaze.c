@@ -152,7 +152,7 @@ static void print_text(const char *path, const struct trk_log *log, const struct
 {
     const size_t *counts = s->events.counts;
 
-    printf("%s: %s\n", path, log->format);
+    dmn_print(stdout, "%s: %s\n", path, log->format);
     printf("  %-12s %zu in %.3f s\n", "samples", log->count, s->span_s);
     if (s->rate.hz > 0) {
         printf("  %-12s %.1f Hz; middle step of %.3f ms", "rate", s->rate.hz,
@@ -181,7 +181,7 @@ static void print_text(const char *path, const struct trk_log *log, const struct
     printf("  %-12s %zu fixations, %zu saccades, %zu pursuits, %zu blinks, %zu losses; noise %.2f degrees\n",
            "events", counts[TRK_FIXATION], counts[TRK_SACCADE], counts[TRK_PURSUIT], counts[TRK_BLINK],
            counts[TRK_LOST], s->events.noise_deg);
-    if (*log->assumed) printf("  %-12s %s\n", "assumed", log->assumed);
+    if (*log->assumed) dmn_print(stdout, "  %-12s %s\n", "assumed", log->assumed);
 }
 
 /* --- JSON ----------------------------------------------------------------------------------------------- */
@@ -316,8 +316,8 @@ int ctl_gaze_convert(const struct ctl *ctl)
                2;
     if (!ctl_read_log(ctl, &log)) return 1;
     good = (ctl_ends_with(out, ".gaze") ? write_own : write_bids)(out, &log, replace);
-    if (good) printf("%s: %zu samples of %s\n", out, log.count, log.format);
-    if (good && *log.assumed) printf("assumed: %s\n", log.assumed);
+    if (good) dmn_print(stdout, "%s: %zu samples of %s\n", out, log.count, log.format);
+    if (good && *log.assumed) dmn_print(stdout, "assumed: %s\n", log.assumed);
     trk_log_finish(&log);
     return good ? 0 : 1;
 }

@@ -241,8 +241,8 @@ int ctl_gaze_plot(const struct ctl *ctl)
     } else {
         ctl_fail("out of memory");
     }
-    if (good) printf("%s: %zu samples of %s\n", out, log.count, log.format);
-    if (good && *log.assumed) printf("assumed: %s\n", log.assumed);
+    if (good) dmn_print(stdout, "%s: %zu samples of %s\n", out, log.count, log.format);
+    if (good && *log.assumed) dmn_print(stdout, "assumed: %s\n", log.assumed);
     trk_log_finish(&log);
     return good ? 0 : 1;
 }

@@ -40,7 +40,7 @@ static bool tell(const struct ctl *ctl, struct pro_client *client, const Fovea__
             if (object) putchar('\n');
             json_decref(object);
         } else {
-            printf("%s; first tile after %.1f ms\n", answer->done->text, passed_ms);
+            dmn_print(stdout, "%s; first tile after %.1f ms\n", answer->done->text, passed_ms);
         }
     }
     fovea__message__free_unpacked(answer, NULL);

@@ -129,7 +129,7 @@ static bool draw(const struct ctl *ctl, float *counts, int width, int height, co
     good = dmn_image_write(ctl->operand[1], map.width, map.height, map.rgb, true, error) ||
            ctl_fail("%s", error);
     if (good)
-        printf("%s: %dx%d, from no path a pixel (black) to %.4g (bright), log scale\n", ctl->operand[1],
+        dmn_print(stdout, "%s: %dx%d, from no path a pixel (black) to %.4g (bright), log scale\n", ctl->operand[1],
                map.width, map.height, most);
 end:
     free(map.rgb);

@@ -178,7 +178,7 @@ static void tell(const struct snapshot *snapshot, const double view[3])
     json_t *object;
 
     if (!ctl->json) {
-        printf("%s: %dx%d, ", ctl->operand[0], width, height);
+        dmn_print(stdout, "%s: %dx%d, ", ctl->operand[0], width, height);
         if (is_view)
             printf("%.1f degrees right and %.1f up, %.4g wide\n", view[0], view[1], view[2]);
         else

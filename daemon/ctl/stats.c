@@ -7,30 +7,30 @@
 
 static void print_table(const Fovea__Welcome *welcome, const Fovea__Stats *s)
 {
-    printf("daemon    %s\nscene     %s\n", welcome->server, s->scene);
-    if (*s->refused) printf("          the last edit was not taken: %s\n", s->refused);
+    dmn_print(stdout, "daemon    %s\nscene     %s\n", welcome->server, s->scene);
+    if (*s->refused) dmn_print(stdout, "          the last edit was not taken: %s\n", s->refused);
     if (s->n_eye)
-        printf("eye       %.6g,%.6g,%.6g m, generation %llu\n", s->eye[0], s->eye[1], s->eye[2],
+        dmn_print(stdout, "eye       %.6g,%.6g,%.6g m, generation %llu\n", s->eye[0], s->eye[1], s->eye[2],
                (unsigned long long)s->generation);
-    printf("gaze      %s\n", s->gaze_source);
-    printf("          %llu samples, %llu valid%s%s\n", (unsigned long long)s->gaze_samples,
+    dmn_print(stdout, "gaze      %s\n", s->gaze_source);
+    dmn_print(stdout, "          %llu samples, %llu valid%s%s\n", (unsigned long long)s->gaze_samples,
            (unsigned long long)s->gaze_valid, s->frozen ? ", frozen" : "", s->finished ? ", finished" : "");
     if (s->tracker) {
         char line[160];
 
         ctl_tracker_line(s->tracker, line, sizeof(line));
-        printf("          %s\n", line);
+        dmn_print(stdout, "          %s\n", line);
     }
-    if (*s->recording) printf("recording %s, %llu samples\n", s->recording, (unsigned long long)s->recorded);
+    if (*s->recording) dmn_print(stdout, "recording %s, %llu samples\n", s->recording, (unsigned long long)s->recorded);
     if (*s->recording_error)
-        printf("          %llu lost: %s\n", (unsigned long long)s->recording_lost, s->recording_error);
-    printf("film      %ux%u, mode %s\n", welcome->width, welcome->height, welcome->distribution);
-    printf("paths     %llu, %.3f M/s, %llu rays, %llu not finite\n", (unsigned long long)s->samples,
+        dmn_print(stdout, "          %llu lost: %s\n", (unsigned long long)s->recording_lost, s->recording_error);
+    dmn_print(stdout, "film      %ux%u, mode %s\n", welcome->width, welcome->height, welcome->distribution);
+    dmn_print(stdout, "paths     %llu, %.3f M/s, %llu rays, %llu not finite\n", (unsigned long long)s->samples,
            s->samples_per_second * 1e-6, (unsigned long long)s->rays, (unsigned long long)s->not_finite);
-    printf("tiles     %u: %u visited, %u converged, %u settled\n", s->tiles, s->tiles_visited,
+    dmn_print(stdout, "tiles     %u: %u visited, %u converged, %u settled\n", s->tiles, s->tiles_visited,
            s->tiles_converged, s->tiles_settled);
-    printf("batch     %.2f ms, %.2f ms after its gaze arrived (medians)\n", s->batch_ms, s->gaze_to_batch_ms);
-    printf("clients   %u\n", s->clients);
+    dmn_print(stdout, "batch     %.2f ms, %.2f ms after its gaze arrived (medians)\n", s->batch_ms, s->gaze_to_batch_ms);
+    dmn_print(stdout, "clients   %u\n", s->clients);
 }
 
 void ctl_tracker_line(const Fovea__Tracker *t, char *out_line, size_t size)

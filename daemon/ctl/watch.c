@@ -167,6 +167,7 @@ static void row(struct watch *watch, const char *format, ...)
     va_start(args, format);
     vsnprintf(line, sizeof(line), format, args);
     va_end(args);
+    rnd_make_printable(line);
     if (!watch->terminal) {
         puts(line);
         return;

@@ -15,16 +15,6 @@ static double seconds(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-void rnd_make_printable(char *text)
-{
-    for (unsigned char *c = (unsigned char *)text, before = 0; *c; before = *c++) {
-        const bool high = c[0] == 0xc2 && c[1] >= 0x80 && c[1] < 0xa0, /* C1 as UTF-8 */
-            alone = *c >= 0x80 && *c < 0xa0 && before < 0x80;          /* and as a byte */
-        if (high) c[1] = ' ';
-        if (high || alone || *c < ' ' || *c == 0x7f) *c = ' ';
-    }
-}
-
 void rnd_warn(struct rnd_warnings *warnings, const char *format, ...)
 {
     enum { MOST_LINES = 20 };
@@ -193,7 +183,7 @@ struct rnd_scene *rnd_scene_load(const struct rnd_scene_options *options, char o
     const double start = seconds();
     struct rnd_scene *scene = calloc(1, sizeof *scene);
     if (!scene) {
-        snprintf(out_error, RND_ERROR_SIZE, "%.200s: not enough memory", options->path);
+        snprintf(out_error, RND_ERROR_SIZE, "not enough memory");
         return NULL;
     }
     if (!rnd_import(scene, options->path, out_error)) goto fail;
@@ -224,6 +214,7 @@ struct rnd_scene *rnd_scene_load(const struct rnd_scene_options *options, char o
     scene->info.build_seconds = seconds() - read;
     return scene;
 fail:
+    rnd_make_printable(out_error);
     rnd_scene_destroy(scene);
     return NULL;
 }

@@ -182,9 +182,6 @@ bool rnd_import(struct rnd_scene *scene, const char *path, char out_error[RND_ER
 /* scene.c: add a name to the list of what is asked for and not done, once. */
 void rnd_scene_unsupported(struct rnd_scene *scene, const char *name);
 
-/* scene.c: put blanks for control characters (C0, DEL, C1): names of files may hold anything. */
-void rnd_make_printable(char *text);
-
 /* scene.c: add a line, without its end. */
 void rnd_warn(struct rnd_warnings *warnings, const char *format, ...) __attribute__((format(printf, 2, 3)));
 

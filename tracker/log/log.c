@@ -6,7 +6,6 @@
 #include "log/own.h"
 #include "log/samples.h"
 
-#include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -48,8 +47,7 @@ void trk_assume(struct trk_reading *reading, const char *format, ...)
     va_start(arguments, format);
     vsnprintf(assumed + length, TRK_ASSUMED_SIZE - length, format, arguments);
     va_end(arguments);
-    for (char *c = assumed + length; *c; c++)
-        if (iscntrl((unsigned char)*c)) *c = '?'; /* what a file names its columns */
+    trk_make_printable(assumed + length); /* what a file names its columns */
 }
 
 static bool append(struct trk_reading *reading, const struct trk_sample *sample,
