@@ -4,6 +4,7 @@
 #include <stddef.h>
 #include <cmocka.h>
 
+#include "log/log.h"
 #include "log/samples.h"
 #include "tracker.h"
 #include "tracker_samples.h"
@@ -46,15 +47,15 @@ static struct trk_sample without_unset(const struct trk_sample *sample)
     return out;
 }
 
-enum { MOST = 5000 };
+enum { KINDS = 8, EACH = 1100, MOST = EACH * KINDS + 300 };
 
-/* Of several kinds, by turns of some hundred samples: from all the same to any bits at all. */
+/* Of several kinds by turns, each for a block at least: from all the same to any bits at all. */
 static struct trk_sample make(size_t i)
 {
     static uint32_t mask, bits[31];
     struct trk_sample sample = {.sequence = i + 1};
-    const unsigned kind = i / 700 % 7;
-    if (i % 700 == 0) {
+    const unsigned kind = i / EACH % KINDS;
+    if (i % EACH == 0) {
         mask = draw() & 0xfff;
         for (int k = 0; k < 31; k++) bits[k] = draw();
     }
@@ -70,7 +71,14 @@ static struct trk_sample make(size_t i)
         for (int n = 0; n < counts[f]; n++, k++) {
             uint32_t word = kind == 0 ? bits[k] : kind < 5 ? bits[k] ^ (draw() >> (4 * k % 32)) : draw();
             memcpy(&floats[f][n], &word, sizeof word);
+            if (kind == 7) floats[f][n] = (float)(int32_t)word * 0x1p-31f;
         }
+    if (kind == 7) { /* the combined gaze is that of the eyes, if it is there */
+        const uint32_t both = TRK_DIRECTION | TRK_ORIGIN, lost = draw() % 4 ? 0 : draw() & both;
+        sample.valid &= ~both;
+        trk_combine(&sample);
+        sample.valid &= ~lost;
+    }
     return sample;
 }
 
@@ -261,9 +269,9 @@ static void little_room(void **state)
         const char *name;
         void (*make_log)(int rows);
         double most; /* bytes per sample */
-    } logs[] = {{"EyeLink, two eyes", make_binocular, 40},
-                {"EyeLink, one eye", make_monocular, 28},
-                {"Pupil Core, unsorted", make_unsorted, 80},
+    } logs[] = {{"EyeLink, two eyes", make_binocular, 26},
+                {"EyeLink, one eye", make_monocular, 14},
+                {"Pupil Core, unsorted", make_unsorted, 52},
                 {"headset", make_headset, 80}};
     if (!COUNTS) {
         print_message("allocations are not counted under a sanitizer\n");

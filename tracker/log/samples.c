@@ -1,28 +1,32 @@
 /* The samples of a log, packed: a log may have tens of millions of them, a struct trk_sample has room for all
  * that any tracker measures, and a log fills a few of its fields.
  *
- * A block holds up to ROWS samples that follow each other. Every field has as many whole bytes in each row of
- * the block as the values there need: times and numbers beyond a straight line from the first row to the
- * last, all others beyond the lowest value, none where all are the same. A float is kept by its bits. Fields
- * that no sample of the block has are left out. So samples come out as they went in, bit for bit, but for
- * fields whose valid bit is unset: those come out as 0.
+ * A block holds up to ROWS samples that follow each other. Every field has as many bits in each row of the
+ * block as the values there need: times and numbers beyond a straight line from the first row to the last,
+ * all others beyond the lowest value, none where all are the same. A float is kept by its bits. Fields that
+ * no sample of the block has are left out, and so is the combined gaze where it is what trk_combine() makes
+ * of the eyes, which then makes it anew. So samples come out as they went in, bit for bit, but for fields
+ * whose valid bit is unset: those come out as 0.
  *
  * One block at most is open, as an array of samples: the last one while a log grows, any other while its
  * samples are replaced. */
 #include "log/samples.h"
 
-#include <endian.h>
+#include "log/log.h"
+
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROWS = 1024 };
+enum { ROWS = 512 };
 
-/* Value of row i: base + i step + what is in the row's bytes under the mask, modulo 2^64. */
+/* Value of row i: base + i step + what is in the row's bits, modulo 2^64. */
 struct column {
-    uint64_t base, step, mask;
-    uint32_t bit;    /* of trk_sample.valid, that a row has this field by; floats only */
-    uint16_t offset; /* of the float in struct trk_sample */
-    uint16_t at;     /* of the first byte in a row */
+    uint64_t base, step;
+    uint64_t mask;   /* 1s, as many as bits */
+    uint16_t at;     /* of the first of the bits in a row */
+    uint16_t bits;   /* how many they are: 0 to 64 */
+    uint16_t offset; /* floats only: in struct trk_sample */
+    uint16_t valid;  /* floats only: the TRK_* bit of the rows that have it */
 };
 
 /* The columns that every block has, before those of floats. DELAY is arrival time less device time, which
@@ -49,9 +53,14 @@ static const struct group {
 };
 enum { MOST_COLUMNS = WHOLE + sizeof(struct trk_sample) / sizeof(float) };
 
+struct head {
+    uint32_t columns, row_bits;
+    uint32_t combined; /* TRK_DIRECTION, TRK_ORIGIN: left out, for trk_combine() makes it */
+};
+
 struct block {
-    size_t columns, row_size;
-    struct column column[]; /* the rows follow, and 8 bytes for the last value to be read with */
+    struct head head;
+    struct column column[]; /* the rows follow, as words of 64 bits that are filled from the lowest bit on */
 };
 
 struct trk_samples {
@@ -66,10 +75,23 @@ struct trk_samples {
 static uint64_t value_at(const struct block *block, int column, size_t row)
 {
     const struct column *c = &block->column[column];
-    const char *rows = (const char *)&block->column[block->columns];
-    uint64_t rest;
-    memcpy(&rest, rows + row * block->row_size + c->at, sizeof rest);
-    return c->base + row * c->step + (le64toh(rest) & c->mask);
+    const uint64_t *words = (const uint64_t *)&block->column[block->head.columns];
+    const size_t at = row * block->head.row_bits + c->at;
+    const unsigned skipped = at % 64;
+    uint64_t rest = words[at / 64] >> skipped;
+    if (skipped + c->bits > 64) rest |= words[at / 64 + 1] << (64 - skipped);
+    return c->base + row * c->step + (rest & c->mask);
+}
+
+/* Make the combined gaze of a sample that has all but these bits of it. */
+static void combine(struct trk_sample *sample, uint32_t bits)
+{
+    const uint32_t valid = sample->valid;
+    sample->valid &= ~bits;
+    trk_combine(sample);
+    sample->valid = valid;
+    if (!(valid & TRK_DIRECTION)) memset(sample->direction, 0, sizeof sample->direction);
+    if (!(valid & TRK_ORIGIN)) memset(sample->origin, 0, sizeof sample->origin);
 }
 
 static void unpack_row(const struct block *block, size_t row, struct trk_sample *out_sample)
@@ -80,11 +102,13 @@ static void unpack_row(const struct block *block, size_t row, struct trk_sample 
     out_sample->arrival_ns = out_sample->device_ns + value_at(block, DELAY, row);
     out_sample->sensor_ns = value_at(block, SENSOR, row);
     out_sample->valid = (uint32_t)value_at(block, VALID, row);
-    for (int i = WHOLE; i < (int)block->columns; i++) {
-        if (!(out_sample->valid & block->column[i].bit)) continue;
+    for (int i = WHOLE; i < (int)block->head.columns; i++) {
+        if (!(out_sample->valid & block->column[i].valid)) continue;
         const uint32_t bits = (uint32_t)value_at(block, i, row);
         memcpy((char *)out_sample + block->column[i].offset, &bits, sizeof bits);
     }
+    if (out_sample->valid & block->head.combined)
+        combine(out_sample, out_sample->valid & block->head.combined);
 }
 
 static uint64_t value_of(const struct trk_sample *sample, int column, size_t offset)
@@ -107,8 +131,8 @@ static uint64_t value_of(const struct trk_sample *sample, int column, size_t off
     }
 }
 
-/* Find what a column's values need in a row; returns how many bytes. */
-static unsigned fit(struct column *c, int column, const struct trk_sample *samples, size_t count)
+/* Find how many bits a column's values need in a row, and beyond what. */
+static void fit(struct column *c, int column, const struct trk_sample *samples, size_t count)
 {
     int64_t low = INT64_MAX, high = INT64_MIN;
     c->step = 0;
@@ -117,61 +141,84 @@ static unsigned fit(struct column *c, int column, const struct trk_sample *sampl
         c->step = (uint64_t)((int64_t)rise / (int64_t)(count - 1));
     }
     for (size_t i = 0; i < count; i++) {
-        if (column >= WHOLE && !(samples[i].valid & c->bit)) continue;
+        if (column >= WHOLE && !(samples[i].valid & c->valid)) continue;
         const int64_t above = (int64_t)(value_of(&samples[i], column, c->offset) - i * c->step);
         if (above < low) low = above;
         if (above > high) high = above;
     }
     const uint64_t most = (uint64_t)high - (uint64_t)low;
-    unsigned bytes = 0;
-    while (bytes < sizeof most && most >> 8 * bytes) bytes++;
     c->base = (uint64_t)low;
-    c->mask = bytes == sizeof most ? UINT64_MAX : (UINT64_C(1) << 8 * bytes) - 1;
-    return bytes;
+    c->bits = (uint16_t)(most ? 64 - __builtin_clzll(most) : 0);
+    c->mask = c->bits ? UINT64_MAX >> (64 - c->bits) : 0;
 }
 
-/* Returns how many columns these samples need. */
-static size_t fit_all(struct column columns[MOST_COLUMNS], const struct trk_sample *samples, size_t count,
-                      size_t *out_row_size)
+/* Of the combined gaze, what trk_combine() makes of the eyes in all samples that have it. */
+static uint32_t find_combined(const struct trk_sample *samples, size_t count)
+{
+    uint32_t combined = TRK_DIRECTION | TRK_ORIGIN;
+    for (size_t i = 0; i < count && combined; i++) {
+        const uint32_t there = samples[i].valid & combined;
+        struct trk_sample made = samples[i];
+        if (!there) continue;
+        memset(made.direction, 0, sizeof made.direction);
+        memset(made.origin, 0, sizeof made.origin);
+        combine(&made, there);
+        if ((there & TRK_DIRECTION) && memcmp(made.direction, samples[i].direction, sizeof made.direction))
+            combined &= ~(uint32_t)TRK_DIRECTION;
+        if ((there & TRK_ORIGIN) && memcmp(made.origin, samples[i].origin, sizeof made.origin))
+            combined &= ~(uint32_t)TRK_ORIGIN;
+    }
+    return combined;
+}
+
+/* Find the columns of these samples, and what they need. */
+static void plan(struct head *head, struct column columns[MOST_COLUMNS], const struct trk_sample *samples,
+                 size_t count)
 {
     uint32_t seen = 0;
-    size_t columns_used = WHOLE, size = 0;
     for (size_t i = 0; i < count; i++) seen |= samples[i].valid;
+    *head = (struct head){.columns = WHOLE, .combined = seen & find_combined(samples, count)};
+    seen &= ~head->combined;
     for (size_t g = 0; g < sizeof groups / sizeof *groups; g++)
         for (unsigned k = 0; k < groups[g].floats && (seen & groups[g].bit); k++) {
-            columns[columns_used].bit = groups[g].bit;
-            columns[columns_used++].offset = (uint16_t)(groups[g].offset + k * sizeof(float));
+            struct column *c = &columns[head->columns++];
+            c->valid = (uint16_t)groups[g].bit;
+            c->offset = (uint16_t)(groups[g].offset + k * sizeof(float));
         }
-    for (size_t i = 0; i < columns_used; i++) {
-        columns[i].at = (uint16_t)size;
-        size += fit(&columns[i], (int)i, samples, count);
+    for (uint32_t i = 0; i < head->columns; i++) {
+        fit(&columns[i], (int)i, samples, count);
+        columns[i].at = (uint16_t)head->row_bits;
+        head->row_bits += columns[i].bits;
     }
-    *out_row_size = size;
-    return columns_used;
 }
 
 /* NULL when memory is short. */
 static struct block *pack_block(const struct trk_sample *samples, size_t count)
 {
     struct column columns[MOST_COLUMNS] = {0};
-    size_t row_size, used = fit_all(columns, samples, count, &row_size);
+    struct head head;
+    plan(&head, columns, samples, count);
+    const size_t columns_size = head.columns * sizeof *columns;
     struct block *block =
-        malloc(sizeof *block + used * sizeof *columns + count * row_size + sizeof(uint64_t));
+        malloc(sizeof *block + columns_size + (count * head.row_bits / 64 + 1) * sizeof(uint64_t));
     if (!block) return NULL;
-    block->columns = used;
-    block->row_size = row_size;
-    memcpy(block->column, columns, used * sizeof *columns);
-    char *row = (char *)&block->column[used];
-    memset(row + count * row_size, 0, sizeof(uint64_t));
-    /* In order, for the bytes of a value that are above its mask lie where the next one goes. */
-    for (size_t i = 0; i < count; i++, row += row_size)
-        for (int k = 0; k < (int)used; k++) {
+    block->head = head;
+    memcpy(block->column, columns, columns_size);
+    uint64_t *word = (uint64_t *)&block->column[head.columns], filling = 0;
+    unsigned filled = 0; /* bits */
+    for (size_t i = 0; i < count; i++)
+        for (int k = 0; k < (int)head.columns; k++) {
             const struct column *c = &columns[k];
-            if (!c->mask) continue;
-            const uint64_t rest = value_of(&samples[i], k, c->offset) - i * c->step - c->base;
-            const uint64_t bytes = htole64(rest & c->mask);
-            memcpy(row + c->at, &bytes, sizeof bytes);
+            if (!c->bits) continue;
+            const uint64_t rest = (value_of(&samples[i], k, c->offset) - i * c->step - c->base) & c->mask;
+            filling |= rest << filled;
+            filled += c->bits;
+            if (filled < 64) continue;
+            filled -= 64;
+            *word++ = filling;
+            filling = filled ? rest >> (c->bits - filled) : 0;
         }
+    *word = filling;
     return block;
 }
 
@@ -271,7 +318,8 @@ uint32_t trk_log_seen(const struct trk_log *log)
     uint32_t seen = 0;
     for (size_t index = 0; index * ROWS < log->count; index++) {
         const struct block *block = samples->blocks[index];
-        for (size_t i = WHOLE; block && i < block->columns; i++) seen |= block->column[i].bit;
+        for (size_t i = WHOLE; block && i < block->head.columns; i++) seen |= block->column[i].valid;
+        if (block) seen |= block->head.combined;
         for (size_t i = 0; !block && i < ROWS && index * ROWS + i < log->count; i++)
             seen |= samples->open[i].valid;
     }
