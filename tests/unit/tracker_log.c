@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <cmocka.h>
 
+#include "log/log.h"
 #include "log/own.h"
 #include "log/samples.h"
 #include "tracker.h"
@@ -368,11 +369,57 @@ static void fewest_digits(void **state)
     }
 }
 
+/* A text is read as strtod() and strtof() read it. */
+static void reads_as_the_library(const char *text)
+{
+    double value = NAN;
+    float small = NAN;
+    char *end;
+    const double expected = strtod(text, &end);
+    const float expected_small = strtof(text, NULL);
+    const bool is_number = end != text && !*end;
+    if (trk_parse_double(text, &value) != is_number || trk_parse_float(text, &small) != is_number)
+        fail_msg("'%s': expected %s", text, is_number ? "a number" : "no number");
+    if (!is_number) return;
+    if (memcmp(&value, &expected, sizeof value) != 0 || memcmp(&small, &expected_small, sizeof small) != 0)
+        fail_msg("'%s' is %.17g and %.9g, expected %.17g and %.9g", text, value, (double)small, expected,
+                 (double)expected_small);
+}
+
+static void numbers_of_all_lengths(void **state)
+{
+    (void)state;
+    static const char *const odd[] = {
+        "0",        "-0",       "-0.0",  "00.50",  "5.",   ".5",  "-.5",   ".",    "-",          "",   "--1",
+        "1.2.3",    "1x",       "1e3",   "1.5e-7", "+1",   "1,5", "0x1p3", "inf",  "nan",        "-.", "1 ",
+        "16777217", "16777219", "1e999", "1e-999", "9.5-", "1-",  "1.",    "1.e2", "33554435.0", "0.1"};
+    char text[80];
+    uint64_t noise = 1;
+    for (size_t i = 0; i < sizeof odd / sizeof *odd; i++) reads_as_the_library(odd[i]);
+    for (int i = 0; i < 200000; i++) {
+        noise = noise * 6364136223846793005u + 1442695040888963407u;
+        const int digits = 1 + i % 20, point = i / 20 % 21;
+        char number[24];
+        snprintf(number, sizeof number, "%020llu", (unsigned long long)(noise | UINT64_C(1) << 63));
+        snprintf(text, sizeof text, "%s%.*s.%.*s", i % 3 ? "" : "-", point < digits ? point : digits, number,
+                 point < digits ? digits - point : 0, number + point);
+        reads_as_the_library(text);
+    }
+    /* Next to the middle between two floats: some round to it as a double, and from there the wrong way. */
+    for (int i = 0; i < 20000; i++) {
+        noise = noise * 6364136223846793005u + 1442695040888963407u;
+        const float value = (float)(noise >> 40) * 0x1p-21f + 0.1f;
+        snprintf(text, sizeof text, "%.15g", ((double)value + (double)nextafterf(value, 9)) / 2);
+        reads_as_the_library(text);
+    }
+}
+
 int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, enter, leave)
     const struct CMUnitTest tests[] = {
         TEST(fewest_digits),
+        TEST(numbers_of_all_lengths),
         TEST(reads_back_exactly),
         TEST(unset_fields_are_not_written),
         TEST(comments_and_crlf_pass),

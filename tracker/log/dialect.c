@@ -70,22 +70,23 @@ enum trk_line trk_short_row(struct trk_reading *reading)
 
 /* --- fields --------------------------------------------------------------------------------------------- */
 
-static size_t split_runs(char *text, char *out_fields[TRK_MAX_FIELDS])
-{
-    size_t count = 0;
-    for (char *at = text + strspn(text, " \t"); *at; at += strspn(at, " \t")) {
-        if (count < TRK_MAX_FIELDS) out_fields[count] = at;
-        count++;
-        at += strcspn(at, " \t");
-        if (*at) *at++ = '\0';
-    }
-    return count;
-}
-
 static char *skip_blanks(char *text, char separator)
 {
     while (*text == ' ' || (*text == '\t' && separator != '\t')) text++;
     return text;
+}
+
+/* Fields of a few letters: strspn() and its like would make a table for each. */
+static size_t split_runs(char *text, char *out_fields[TRK_MAX_FIELDS])
+{
+    size_t count = 0;
+    for (char *at = skip_blanks(text, TRK_BLANKS); *at; at = skip_blanks(at, TRK_BLANKS)) {
+        if (count < TRK_MAX_FIELDS) out_fields[count] = at;
+        count++;
+        while (*at && *at != ' ' && *at != '\t') at++;
+        if (*at) *at++ = '\0';
+    }
+    return count;
 }
 
 /* The quote that ends the field which begins with one; NULL if it never ends, or goes on after it. *out_next:

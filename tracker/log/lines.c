@@ -110,9 +110,45 @@ static bool starts_number(const char *field)
     return *field != '\0' && !strchr(" \t\v\f\r\n", *field);
 }
 
+/* Up to 15 digits, a point among them or not, and nothing else but a minus before them: a whole number by a
+ * power of ten, both of which double holds exactly, so that the quotient is the double that is next to the
+ * number (Clinger 1990). False for all others. */
+static bool parse_plain(const char *field, double *out_value)
+{
+    static const double powers[] = {1,   1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                    1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
+    enum { MOST_DIGITS = 15 };
+    const bool negative = *field == '-';
+    int64_t number = 0;
+    int digits = 0, before_point = -1;
+    const char *at = field + negative;
+    for (;; at++) {
+        if (*at >= '0' && *at <= '9' && digits < MOST_DIGITS) {
+            number = 10 * number + (*at - '0');
+            digits++;
+        } else if (*at == '.' && before_point < 0) {
+            before_point = digits;
+        } else {
+            break;
+        }
+    }
+    if (*at || digits == 0) return false;
+    const double value = (double)number / powers[before_point < 0 ? 0 : digits - before_point];
+    *out_value = negative ? -value : value;
+    return true;
+}
+
 bool trk_parse_float(const char *field, float *out_value)
 {
     char *end;
+    double value;
+    uint64_t bits;
+    /* The float next to the double is next to the number too, but for a tie. */
+    if (parse_plain(field, &value)) {
+        memcpy(&bits, &value, sizeof bits);
+        *out_value = (float)value;
+        if ((bits & 0x1fffffff) != 0x10000000) return true;
+    }
     if (!starts_number(field)) return false;
     *out_value = strtof(field, &end);
     return end != field && *end == '\0';
@@ -121,6 +157,7 @@ bool trk_parse_float(const char *field, float *out_value)
 bool trk_parse_double(const char *field, double *out_value)
 {
     char *end;
+    if (parse_plain(field, out_value)) return true;
     if (!starts_number(field)) return false;
     *out_value = strtod(field, &end);
     return end != field && *end == '\0';
