@@ -19,7 +19,8 @@ struct rnd_run {
 
 struct rnd_render {
     const struct rnd_scene *scene;
-    float eye[3]; /* in the scene's own coordinates */
+    float eye[3];   /* in the scene's own coordinates */
+    uint64_t media; /* that it is in: path/media.h */
     const struct rnd_distribution *distribution;
     struct rnd_film film;
     pthread_mutex_t whole; /* held while the film is read as a whole, and while it is emptied */

@@ -70,7 +70,7 @@ static void trace_wave(struct rnd_render *render, struct rnd_worker *worker, uin
             io->number[i] = sample->number;
         }
     }
-    worker->rays += rnd_trace(worker->tracer, render->eye, io, count);
+    worker->rays += rnd_trace(worker->tracer, render->eye, render->media, io, count);
     worker->traced += count;
     for (uint32_t i = 0; i < count; i++) {
         const float r = io->radiance[0][i], g = io->radiance[1][i], b = io->radiance[2][i];
@@ -288,6 +288,7 @@ void rnd_render_retrace(struct rnd_render *render, const struct rnd_aim *aim, ui
 static void go_to(struct rnd_render *render, const struct rnd_scene *scene, const double eye[3])
 {
     for (int k = 0; k < 3; k++) render->eye[k] = (float)(eye[k] - scene->origin[k]);
+    render->media = rnd_media_of_eye(scene, render->eye);
 }
 
 struct rnd_render *rnd_render_create(const struct rnd_scene *scene, const struct rnd_render_options *options,

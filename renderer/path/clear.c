@@ -1,9 +1,9 @@
 /* Light straight through glass: an approximation, for shadow rays alone.
  *
  * Each surface lets through what it would let through of a ray that meets it from outside in the shadow ray's
- * direction. In a window, whose two sides are parallel, that is the true angle at both of them. Volumes
+ * direction, in air. In a window, whose two sides are parallel, that is the true angle at both of them. Media
  * absorb along the way between. */
-#include "path/glass.h"
+#include "path/clear.h"
 #include "path/rich.h"
 
 /* Surfaces that light gets through: what is behind more is dark. */
@@ -52,30 +52,26 @@ static struct rnd_surface surface_at(const struct rnd_scene *scene, const struct
     return surface;
 }
 
-struct rnd_v3 rnd_clear_transmittance(const struct rnd_scene *scene, struct rnd_v3 origin,
+struct rnd_v3 rnd_clear_transmittance(const struct rnd_scene *scene, rnd_media media, struct rnd_v3 origin,
                                       struct rnd_v3 direction, float distance, bool *out_any)
 {
     const vec3s wo = glms_vec3_negate(rnd_from_v3(direction));
-    vec3s left = glms_vec3_one();
-    struct rnd_surface surface;
+    struct rnd_v3 left = {1, 1, 1};
     struct RTCRayHit hit;
     float last = 0.0f, near = 0.0f; /* where the ray met the last surface, and where the next may be */
-    bool inside = false;
     *out_any = false;
     for (int i = 0; next_surface(scene, origin, direction, near, distance, &hit); i++) {
-        if (i == MOST_SURFACES || !(glms_vec3_max(left) > 0.0f)) return rnd_v3(0, 0, 0);
-        surface = surface_at(scene, &hit, direction);
-        left = glms_vec3_mul(left, rnd_transmittance(&surface, hit.ray.tfar - last));
-        inside = surface.front;
+        if (i == MOST_SURFACES || !(rnd_v3_max(left) > 0.0f)) return rnd_v3(0, 0, 0);
+        struct rnd_surface surface = surface_at(scene, &hit, direction);
+        const uint32_t medium = surface.material->medium;
+        left = rnd_v3_mul(left, rnd_media_transmittance(scene, media, hit.ray.tfar - last));
+        if (medium) media = surface.front ? rnd_media_enter(media, medium) : rnd_media_leave(media, medium);
         *out_any = true;
         surface.front = true;
-        left = glms_vec3_mul(left, rnd_rich_through(&surface, wo));
+        surface.between = rnd_interface_in_air(surface.material, true);
+        left = rnd_v3_mul(left, rnd_to_v3(rnd_rich_through(&surface, wo)));
         last = hit.ray.tfar;
         near = last + 1e-6f + 1e-5f * last;
     }
-    if (inside && distance < INFINITY) { /* the light is inside the glass */
-        surface.front = false;
-        left = glms_vec3_mul(left, rnd_transmittance(&surface, distance - last));
-    }
-    return rnd_to_v3(left);
+    return rnd_v3_mul(left, rnd_media_transmittance(scene, media, distance - last));
 }

@@ -7,6 +7,7 @@
 enum { ROUGHNESSES = 17, COSINES = 33 };
 
 struct rnd_glass {
+    float ior;
     float least, range; /* of roughness */
     int rows;           /* roughnesses, closer together where it is low; 1 if there is no range */
     float albedo[2][ROUGHNESSES]
@@ -38,6 +39,7 @@ struct rnd_glass *rnd_glass_create(float ior, float least_roughness, float most_
 {
     struct rnd_glass *glass = malloc(sizeof *glass);
     if (!glass) return NULL;
+    glass->ior = ior;
     glass->least = least_roughness;
     glass->range = most_roughness - least_roughness;
     glass->rows = glass->range > 0.0f ? ROUGHNESSES : 1;
@@ -50,6 +52,12 @@ struct rnd_glass *rnd_glass_create(float ior, float least_roughness, float most_
                                                    inside ? 1.0f / ior : ior, glass->rows == 1 ? 4096 : 1024);
             }
     return glass;
+}
+
+bool rnd_glass_is(const struct rnd_glass *glass, float ior, float least_roughness, float most_roughness)
+{
+    return glass->ior == ior && glass->least == least_roughness &&
+           glass->range == most_roughness - least_roughness;
 }
 
 float rnd_glass_albedo(const struct rnd_glass *glass, float cosine, float alpha, bool inside)

@@ -48,27 +48,15 @@ static inline float rnd_pane_reflects(const struct rnd_material *material, float
     return reflected;
 }
 
-/* --- clear glass ---
- *
- * Glass that refracts or is rough hides what is behind it from shadow rays. Where the scene is loaded with
- * clear glass, Embree's filters let shadow rays pass, and clear.c weighs them by what the glass lets through.
- */
-
-/* clear.c: of a scene with such glass, the share of light that comes straight along a ray of that length;
- * and whether there is any of it on the way. */
-struct rnd_v3 rnd_clear_transmittance(const struct rnd_scene *scene, struct rnd_v3 origin,
-                                      struct rnd_v3 direction, float distance, bool *out_any);
-/* Is there none? */
-bool rnd_clear_is_free(const struct rnd_scene *scene, struct rnd_v3 origin, struct rnd_v3 direction,
-                       float distance);
-
 /* --- rough glass --- */
 
 struct rnd_glass;
 
-/* Of glass of that index, seen from both sides, with any roughness between these two: tables, by quadrature.
- * NULL if memory is short. The caller frees. */
+/* Of glass of that index over the index of what it is in, seen from both sides, with any roughness between
+ * these two: tables, by quadrature. NULL if memory is short. The caller frees. */
 struct rnd_glass *rnd_glass_create(float ior, float least_roughness, float most_roughness);
+/* Was it made of these? */
+bool rnd_glass_is(const struct rnd_glass *glass, float ior, float least_roughness, float most_roughness);
 /* Share of light that it returns and lets through, if white, in one bounce; by the cosine of the direction
  * that it is seen from, from inside or from without. */
 float rnd_glass_albedo(const struct rnd_glass *glass, float cosine, float alpha, bool inside);

@@ -187,4 +187,5 @@ void rnd_surface_at(const struct rnd_scene *scene, const struct rnd_hit *hit, ve
     if (material->kind != RND_RICH) return;
     layers_at(&at, smooth, direction, out);
     out->pane = rnd_is_pane(mesh, material);
+    out->between = rnd_interface_in_air(material, out->front);
 }

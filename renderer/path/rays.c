@@ -3,7 +3,7 @@
  * What is one-sided is not there for an eye that looks at its back: glTF's back-face culling (glTF 2.0,
  * section 3.9.6), which speaks of what is seen. For light every surface has two sides, or walls that are
  * culled for a view into a room would let the sky in. */
-#include "path/glass.h"
+#include "path/clear.h"
 #include "path/tape.h"
 #include "path/wave.h"
 
@@ -102,13 +102,14 @@ static void pass_glass(struct rnd_tracer *tracer, uint32_t i)
 {
     struct rnd_shadows *s = &tracer->shadows;
     const struct rnd_v3 from = rnd_get(&s->origin, i), to = rnd_get(&s->direction, i);
+    const rnd_media media = rnd_has_media(tracer) ? s->media[i] : 0;
     struct rnd_v3 left = {0, 0, 0};
     bool any;
     if (s->through[i] > 0.0f) {
-        left = rnd_clear_transmittance(tracer->scene, from, to, s->distance[i], &any);
+        left = rnd_clear_transmittance(tracer->scene, media, from, to, s->distance[i], &any);
         if (any) left = rnd_v3_scale(left, s->through[i]);
     } else if (rnd_clear_is_free(tracer->scene, from, to, s->distance[i])) {
-        left = rnd_v3(1, 1, 1);
+        left = rnd_media_transmittance(tracer->scene, media, s->distance[i]);
     }
     rnd_put(&s->radiance, i,
             rnd_clamp_firefly(rnd_v3_mul(rnd_get(&s->radiance, i), left),

@@ -94,6 +94,7 @@ struct view {
     struct rnd_v3 wo, coat_wo;
     struct rnd_mr mr; /* the part that does not transmit */
     float eta;        /* index behind over index in front */
+    struct rnd_v3 f0; /* of glass: reflectance ahead */
     bool smooth;      /* glass */
     float pane, rest; /* of the light that does not pass a pane unseen: reflected, and not reflected */
     float sheen_roughness;
@@ -121,14 +122,23 @@ static struct parting part(const struct view *v, float cosine)
     } else {
         const float whole = rnd_fresnel_dielectric(fminf(cosine, 1.0f), v->eta, &out.cos_t);
         if (out.cos_t <= 0.0f) return (struct parting){.reflected = {1, 1, 1}, .p_reflect = 1.0f};
-        out.reflected = rnd_v3(rnd_fresnel_scaled(whole, v->eta, v->l->f0.x, v->l->specular),
-                               rnd_fresnel_scaled(whole, v->eta, v->l->f0.y, v->l->specular),
-                               rnd_fresnel_scaled(whole, v->eta, v->l->f0.z, v->l->specular));
+        out.reflected = rnd_v3(rnd_fresnel_scaled(whole, v->eta, v->f0.x, v->l->specular),
+                               rnd_fresnel_scaled(whole, v->eta, v->f0.y, v->l->specular),
+                               rnd_fresnel_scaled(whole, v->eta, v->f0.z, v->l->specular));
         out.through = rnd_v3_scale(base, 1.0f - rnd_v3_max(out.reflected));
     }
     const float reflect = rnd_v3_sum(out.reflected), pass = rnd_v3_sum(out.through);
     out.p_reflect = reflect + pass > 0.0f ? reflect / (reflect + pass) : 1.0f;
     return out;
+}
+
+/* Reflectance ahead at an index over another of what has layers.f0 in air. */
+static struct rnd_v3 reflectance_ahead(const struct rnd_layers *l, float ior, float eta)
+{
+    const float air = (ior - 1.0f) / (ior + 1.0f), here = (eta - 1.0f) / (eta + 1.0f), r = here * here;
+    if (air * air < 1e-8f) return rnd_v3(l->specular * r, l->specular * r, l->specular * r);
+    const float scale = r / (air * air);
+    return rnd_v3(fminf(l->f0.x * scale, 1.0f), fminf(l->f0.y * scale, 1.0f), fminf(l->f0.z * scale, 1.0f));
 }
 
 static struct view view_of(const struct rnd_surface *s, vec3s wo)
@@ -138,12 +148,15 @@ static struct view view_of(const struct rnd_surface *s, vec3s wo)
         .l = &s->layers,
     };
     const struct rnd_layers *l = v.l;
-    const bool inside = rnd_has_volume(s) && !s->front;
+    const bool inside = s->material->medium && !s->front;
     v.frame = rnd_v3_frame(rnd_to_v3(s->shading));
-    v.coat_frame = rnd_v3_frame(rnd_to_v3(l->coat_normal));
     v.wo = rnd_v3_to_local(&v.frame, rnd_to_v3(wo));
-    v.coat_wo = rnd_v3_to_local(&v.coat_frame, rnd_to_v3(wo));
-    v.eta = inside ? 1.0f / s->material->ior : s->material->ior;
+    if (l->coat > 0.0f) {
+        v.coat_frame = rnd_v3_frame(rnd_to_v3(l->coat_normal));
+        v.coat_wo = rnd_v3_to_local(&v.coat_frame, rnd_to_v3(wo));
+    }
+    v.eta = s->material->medium ? s->between.eta : s->material->ior;
+    v.f0 = reflectance_ahead(l, s->material->ior, v.eta);
     /* glass of index 1 has no facets that one could see */
     v.smooth = s->alpha <= RND_MIN_ALPHA || (!s->material->thin && fabsf(v.eta - 1.0f) < 1e-3f);
     if (s->pane) {
@@ -170,13 +183,16 @@ static struct view view_of(const struct rnd_surface *s, vec3s wo)
         left -= v.p_sheen;
     }
     const float glass = l->transmission * (1.0f - s->metallic), rest = 1.0f - glass;
-    v.mr = rnd_mr(rnd_to_v3(s->base), rest > 0.0f ? s->metallic / rest : 0.0f, s->alpha, rnd_to_v3(l->f0),
-                  l->specular);
     v.glass_share = left * glass;
     v.mr_share = left * rest;
-    const struct parting p = part(&v, v.wo.z);
-    v.p_glass = v.glass_share * (rnd_v3_sum(p.reflected) + rnd_v3_sum(p.through)) / 3.0f;
-    v.p_mr = v.mr_share * rnd_mr_view(&v.mr, fmaxf(v.wo.z, RND_MIN_COSINE)).albedo;
+    if (glass > 0.0f) {
+        const struct parting p = part(&v, v.wo.z);
+        v.p_glass = v.glass_share * (rnd_v3_sum(p.reflected) + rnd_v3_sum(p.through)) / 3.0f;
+    }
+    if (rest > 0.0f) {
+        v.mr = rnd_mr(rnd_to_v3(s->base), s->metallic / rest, s->alpha, rnd_to_v3(l->f0), l->specular);
+        v.p_mr = v.mr_share * rnd_mr_view(&v.mr, fmaxf(v.wo.z, RND_MIN_COSINE)).albedo;
+    }
     const float sum = v.p_coat + v.p_sheen + v.p_mr + v.p_glass, scale = sum > 0.0f ? 1.0f / sum : 0.0f;
     v.p_coat *= scale, v.p_sheen *= scale, v.p_mr *= scale, v.p_glass *= scale;
     return v;
@@ -210,15 +226,18 @@ static struct rnd_v3 thick_glass(const struct view *v, struct rnd_v3 wi, float *
     const float co = rnd_v3_dot(v->wo, h), ci = rnd_v3_dot(wi, h), d = rnd_ggx_d(h, alpha);
     if (co <= 0.0f || (above ? ci <= 0.0f : ci >= 0.0f)) return rnd_v3(0, 0, 0);
     const struct parting p = part(v, co);
-    const float more = 1.0f / rnd_glass_albedo(v->s->material->glass, o, alpha, !v->s->front);
+    const struct rnd_interface *between = &v->s->between;
+    const float more =
+        between->glass ? 1.0f / rnd_glass_albedo(between->glass, o, alpha, between->inside) : 1.0f;
     if (above) {
         *out_pdf = p.p_reflect * 0.5f * d / (o + ro);
         return rnd_v3_scale(p.reflected, more * 0.5f * d * i / (i * ro + o * ri));
     }
     /* visible normals: 2 D co / (o + ro); the Jacobian is Walter's eqn 17; masking is separable */
-    const float bend = co + v->eta * ci, visible = 2.0f * d * co / (o + ro) * -ci / (bend * bend);
-    *out_pdf = (1.0f - p.p_reflect) * visible * v->eta * v->eta;
-    return rnd_v3_scale(p.through, more * visible * 2.0f * i / (i + ri));
+    const float bend = co + v->eta * ci,
+                visible = 2.0f * d * co / (o + ro) * -ci / (bend * bend) * v->eta * v->eta;
+    *out_pdf = (1.0f - p.p_reflect) * visible;
+    return rnd_v3_scale(p.through, more * between->squeeze * visible * 2.0f * i / (i + ri));
 }
 
 /* --- all together --- */
@@ -279,10 +298,18 @@ static vec3s evaluate(const struct view *v, vec3s world, float *out_pdf)
     return rnd_from_v3(sum);
 }
 
+/* Glass in which no lobe is wide: nothing but its own drawn directions finds light. */
+static bool is_clear_glass(const struct rnd_surface *s)
+{
+    return s->alpha <= RND_MIN_ALPHA && s->layers.transmission == 1.0f && s->metallic == 0.0f &&
+           s->layers.coat == 0.0f && glms_vec3_max(s->layers.sheen) == 0.0f;
+}
+
 vec3s rnd_rich_bsdf(const struct rnd_surface *surface, vec3s wo, vec3s wi, float *out_pdf)
 {
     *out_pdf = 0.0f;
-    if (surface->material->unlit) return glms_vec3_zero();
+    if (surface->material->unlit || surface->between.hidden || is_clear_glass(surface))
+        return glms_vec3_zero();
     const struct view v = view_of(surface, wo);
     return evaluate(&v, wi, out_pdf);
 }
@@ -303,15 +330,14 @@ static struct rnd_v3 pass(const struct view *v, struct rnd_v3 h, float cos_t)
     return rnd_v3_muladd(h, rnd_v3_dot(v->wo, h) / v->eta - cos_t, rnd_v3_scale(v->wo, -1.0f / v->eta));
 }
 
-/* Light that smooth glass reflects or lets through: u chooses. Radiance is squeezed by the square of the
- * index where it is refracted (Veach 1997, section 5.2). */
+/* Light that smooth glass reflects or lets through: u chooses. */
 static void draw_smooth_glass(const struct view *v, float u, struct rnd_bsdf_sample *out)
 {
     const struct rnd_v3 up = {0, 0, 1};
     const struct parting p = part(v, v->wo.z);
     const bool reflect = u < p.p_reflect;
     const float share = v->glass_share / v->p_glass;
-    const float squeeze = v->s->material->thin ? 1.0f : 1.0f / (v->eta * v->eta);
+    const float squeeze = v->s->material->medium ? v->s->between.squeeze : 1.0f;
     const struct rnd_v3 wi = reflect ? rnd_mirror(v->wo, up) : pass(v, up, p.cos_t);
     out->delta = true;
     out->pdf = 1.0f;
@@ -326,6 +352,10 @@ static void draw_smooth_glass(const struct view *v, float u, struct rnd_bsdf_sam
 bool rnd_rich_draw(const struct rnd_surface *surface, vec3s wo, const float u[3], struct rnd_bsdf_sample *out)
 {
     if (surface->material->unlit) return false;
+    if (surface->between.hidden) { /* light goes on as it came */
+        *out = (struct rnd_bsdf_sample){glms_vec3_negate(wo), glms_vec3_one(), 1.0f, true};
+        return true;
+    }
     const struct view v = view_of(surface, wo);
     const struct rnd_v3_frame *frame = &v.frame;
     struct rnd_v3 wi, weight;
@@ -341,6 +371,7 @@ bool rnd_rich_draw(const struct rnd_surface *surface, vec3s wo, const float u[3]
         wi = rnd_v3(r * c, r * s, 1.0f - u[0]);
         glossy = false;
     } else if ((rest -= v.p_sheen) < v.p_mr || v.p_glass <= 0.0f) {
+        if (!(v.p_mr > 0.0f)) return false; /* black */
         const float choose = fminf(rest / v.p_mr, 0x1.fffffep-1f);
         rnd_mr_draw(&v.mr, v.wo, u[0], u[1], choose, &wi, &weight, &pdf);
         glossy = choose < rnd_mr_view(&v.mr, fmaxf(v.wo.z, RND_MIN_COSINE)).share;

@@ -190,12 +190,28 @@ static void rich(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
 
 /* --- stages --- */
 
-/* How far off a surface rays begin: beyond what rounding may have moved the point into it, by its coordinates
- * and by the length of the ray that found it. */
-RND_INLINE float offset_of(struct rnd_v3 p, float distance)
+/* The media that a ray from point j in that direction begins in. */
+static rnd_media media_towards(const struct rnd_tracer *tracer, uint32_t j,
+                               const struct rnd_vectors *direction)
 {
-    const float largest = rnd_larger(rnd_larger(fabsf(p.x), fabsf(p.y)), rnd_larger(fabsf(p.z), distance));
-    return largest * 0x1p-16f;
+    const struct rnd_surfaces *s = &tracer->surfaces;
+    const bool above = rnd_v3_dot(rnd_get(direction, j), rnd_get(&s->geometric, j)) >= 0.0f;
+    return above ? tracer->paths[1].media[j] : s->behind[j];
+}
+
+/* What media leave of the chosen lights on their way; where glass is clear, that is asked once the glass is
+ * known.
+ */
+static void weigh_by_media(struct rnd_tracer *tracer, uint32_t count)
+{
+    struct rnd_vectors *light = &tracer->scatters.brought;
+    for (uint32_t j = 0; j < count; j++) {
+        const rnd_media media = media_towards(tracer, j, &tracer->lights.direction);
+        if (media)
+            rnd_put(light, j,
+                    rnd_v3_mul(rnd_get(light, j),
+                               rnd_media_transmittance(tracer->scene, media, tracer->lights.distance[j])));
+    }
 }
 
 /* The shadow rays of lights that bring something. */
@@ -218,7 +234,7 @@ static void cast_shadows(struct rnd_tracer *tracer, uint32_t count)
         const uint32_t j = order[i];
         const struct rnd_v3 p = rnd_get(&paths->origin, j), wi = rnd_get(&lights->direction, j),
                             normal = rnd_get(&s->geometric, j);
-        const float off = offset_of(p, s->distance[j]), side = rnd_v3_dot(wi, normal) >= 0.0f ? off : -off;
+        const float off = rnd_offset(p, s->distance[j]), side = rnd_v3_dot(wi, normal) >= 0.0f ? off : -off;
         /* To the very place on the light: as long as from the surface itself, a ray that begins nearer to the
          * light would end behind it. */
         const struct rnd_v3 step = rnd_v3_scale(normal, side);
@@ -236,6 +252,8 @@ static void cast_shadows(struct rnd_tracer *tracer, uint32_t count)
     for (uint32_t i = 0; tracer->scene->clear_tree && i < n; i++)
         to->through[i] =
             rnd_is_clear(tracer->scene, s->mesh[order[i]]) ? 0.0f : 1.0f / tracer->scatters.share[order[i]];
+    for (uint32_t i = 0; tracer->scene->clear_tree && rnd_has_media(tracer) && i < n; i++)
+        to->media[i] = media_towards(tracer, order[i], &lights->direction);
 }
 
 /* Throughput after the surface, and Russian roulette: a density below zero ends the path. */
@@ -275,7 +293,7 @@ static uint32_t go_on(struct rnd_tracer *tracer, uint32_t count)
         const uint32_t j = order[i];
         const struct rnd_v3 p = rnd_get(&from->origin, j), wi = rnd_get(&way->direction, j),
                             normal = rnd_get(&s->geometric, j);
-        const float off = offset_of(p, s->distance[j]), side = rnd_v3_dot(wi, normal) >= 0.0f ? off : -off;
+        const float off = rnd_offset(p, s->distance[j]), side = rnd_v3_dot(wi, normal) >= 0.0f ? off : -off;
         rnd_put(&to->origin, i, rnd_v3_muladd(normal, side, p));
         rnd_put(&to->direction, i, wi);
         to->pdf[i] = way->pdf[j];
@@ -294,6 +312,8 @@ static uint32_t go_on(struct rnd_tracer *tracer, uint32_t count)
     }
     for (uint32_t i = 0; tracer->scene->clear_tree && i < alive; i++)
         to->stood_for[i] = from->stood_for[order[i]];
+    for (uint32_t i = 0; rnd_has_media(tracer) && i < alive; i++)
+        to->media[i] = media_towards(tracer, order[i], &way->direction);
     return alive;
 }
 
@@ -309,6 +329,7 @@ uint32_t ISA(rnd_scatter)(struct rnd_tracer *tracer, uint32_t count)
     metal_rough(tracer, end[RND_DIFFUSE], end[RND_METAL_ROUGH]);
     rich(tracer, end[RND_METAL_ROUGH], end[RND_RICH]);
     if (tracer->scene->clear_tree) stand_for(tracer, 0, count);
+    if (rnd_has_media(tracer) && !tracer->scene->clear_tree) weigh_by_media(tracer, count);
     cast_shadows(tracer, count);
     weigh(tracer, count);
     return go_on(tracer, count);

@@ -15,6 +15,16 @@ struct rnd_layers {
     float sheen_roughness;
 };
 
+/* The border of a volume at a point: what is in front of it, where the ray came from, and behind. */
+struct rnd_interface {
+    float eta;     /* index behind over index in front */
+    float squeeze; /* factor of radiance that is refracted: see path/media.h */
+    const struct rnd_glass
+        *glass;  /* of the material's own medium in the other; NULL: no facets to speak of */
+    bool inside; /* the material's own medium is in front */
+    bool hidden; /* the same medium is on both sides: nothing is there */
+};
+
 /* A point that a ray hit. Normals face the side that the ray came from. */
 struct rnd_surface {
     const struct rnd_material *material;
@@ -25,6 +35,8 @@ struct rnd_surface {
     float metallic, alpha;    /* GGX alpha: roughness squared */
     struct rnd_layers layers; /* set for RND_RICH alone, as what follows */
     bool pane;
+    struct rnd_interface
+        between; /* of what has a volume: by rnd_surface_at() with air, else see path/media.h */
 };
 
 /* What a ray hit. */
@@ -40,20 +52,12 @@ struct rnd_hit {
 void rnd_surface_at(const struct rnd_scene *scene, const struct rnd_hit *hit, vec3s direction,
                     struct rnd_surface *out);
 
-/* Has the surface an inside that light gets to? */
-static inline bool rnd_has_volume(const struct rnd_surface *surface)
+/* The border of a material with a volume in air, met from its front or its back. */
+static inline struct rnd_interface rnd_interface_in_air(const struct rnd_material *material, bool front)
 {
-    return surface->material->kind == RND_RICH && surface->material->transmission > 0.0f &&
-           !surface->material->thin;
-}
-
-/* Share of light that is left of a ray of that length, m, that hit the surface: a ray that hits a volume from
- * its back was inside all its way (Beer and Lambert). */
-static inline vec3s rnd_transmittance(const struct rnd_surface *surface, float distance)
-{
-    const vec3s s = surface->material->absorption;
-    if (surface->front || !rnd_has_volume(surface)) return glms_vec3_one();
-    return (vec3s){{expf(-s.x * distance), expf(-s.y * distance), expf(-s.z * distance)}};
+    const float eta = front ? material->ior : 1.0f / material->ior;
+    return (struct rnd_interface){
+        .eta = eta, .squeeze = 1.0f / (eta * eta), .glass = material->glass[0], .inside = !front};
 }
 
 /* BSDF times cosine for light from wi leaving along wo (unit, away from the surface, wo on the side of the

@@ -23,9 +23,12 @@ void ISA(rnd_start)(struct rnd_tracer *tracer, const float eye[3], uint32_t coun
         paths->index[i] = index;
     }
     if (tracer->scene->clear_tree) memset(paths->stood_for, 0, count * sizeof *paths->stood_for);
+    for (uint32_t i = 0; rnd_has_media(tracer) && i < count; i++) paths->media[i] = tracer->eye;
+    const float index = tracer->scene->medium[rnd_media_innermost(tracer->eye)].ior,
+                whole = 1.0f / (index * index);
     for (uint32_t i = 0; i < count; i++) {
         rnd_put(&paths->origin, i, rnd_v3(eye[0], eye[1], eye[2]));
-        rnd_put(&paths->throughput, i, rnd_v3(1, 1, 1));
+        rnd_put(&paths->throughput, i, rnd_v3(whole, whole, whole));
         paths->pdf[i] = paths->width[i] = 0.0f;
         paths->id[i] = i;
         for (int c = 0; c < 3; c++) io->radiance[c][i] = 0.0f;

@@ -68,6 +68,9 @@ static void sky(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count)
             const float weight = paths->pdf[i] > 0.0f ? rnd_power_heuristic(paths->pdf[i], other) : 1.0f;
             radiance = rnd_v3_muladd(sun->radiance, weight, radiance);
         }
+        if (rnd_has_media(tracer) && paths->media[i])
+            radiance =
+                rnd_v3_mul(radiance, rnd_media_transmittance(tracer->scene, paths->media[i], INFINITY));
         add(tracer, paths->id[i], rnd_v3_mul(radiance, rnd_get(&paths->throughput, i)));
     }
 }
@@ -109,6 +112,13 @@ static void gather(struct rnd_tracer *tracer, const uint32_t *order, uint32_t co
     }
     for (uint32_t j = 0; tracer->scene->clear_tree && j < count; j++)
         to->stood_for[j] = from->stood_for[order[j]];
+    for (uint32_t j = 0; rnd_has_media(tracer) && j < count; j++) {
+        const rnd_media media = to->media[j] = s->behind[j] = from->media[order[j]];
+        if (media)
+            rnd_put(&to->throughput, j,
+                    rnd_v3_mul(rnd_get(&to->throughput, j),
+                               rnd_media_transmittance(tracer->scene, media, s->distance[j])));
+    }
 #pragma GCC ivdep
     for (size_t j = 0; j < count; j++) {
         const uint32_t i = order[j];
@@ -376,8 +386,23 @@ static void bend_normals(struct rnd_tracer *tracer, uint32_t begin, uint32_t end
 
 /* --- rich materials --- */
 
-/* All of a point at once. What a volume absorbed on the way is taken from the path; what is unlit shines by
- * itself. */
+/* Pass the border of a volume. */
+static void pass_border(struct rnd_tracer *tracer, uint32_t j, struct rnd_surface *surface)
+{
+    const struct rnd_hits *hits = &tracer->hits;
+    struct rnd_surfaces *s = &tracer->surfaces;
+    const uint32_t i = tracer->order[j];
+    const struct rnd_v3 at = rnd_get(&tracer->paths[1].origin, j);
+    const struct rnd_border border = {.at = at,
+                                      .normal = rnd_get(&s->geometric, j),
+                                      .off = rnd_offset(at, s->distance[j]),
+                                      .geometry = hits->geometry[i],
+                                      .primitive = hits->primitive[i],
+                                      .instance = hits->instance[i]};
+    s->behind[j] = rnd_media_pass(tracer->scene, tracer->paths[1].media[j], &border, surface);
+}
+
+/* All of a point at once. What is unlit shines by itself. */
 static void rich_points(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
 {
     const struct rnd_scene *scene = tracer->scene;
@@ -396,10 +421,9 @@ static void rich_points(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
             hit.instance = &scene->instance[s->instance[j] - scene->mesh_count];
         struct rnd_surface *surface = &tracer->rich[j - begin];
         rnd_surface_at(scene, &hit, direction, surface);
-        const struct rnd_v3 left =
-            rnd_v3_mul(rnd_get(&paths->throughput, j), rnd_to_v3(rnd_transmittance(surface, hit.distance)));
-        rnd_put(&paths->throughput, j, left);
-        if (surface->material->unlit) add(tracer, paths->id[j], rnd_v3_mul(left, rnd_to_v3(surface->base)));
+        if (surface->material->medium) pass_border(tracer, j, surface);
+        if (surface->material->unlit)
+            add(tracer, paths->id[j], rnd_v3_mul(rnd_get(&paths->throughput, j), rnd_to_v3(surface->base)));
     }
 }
 

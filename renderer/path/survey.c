@@ -6,7 +6,7 @@
  * from a room. The same holds for the regions of the environment, which a room sees through its windows, and
  * for the lamps of a house, most of which burn in other rooms. A few thousand paths from the eye ask all
  * groups at every point and see. What they find changes the noise and never the mean. */
-#include "path/glass.h"
+#include "path/clear.h"
 #include "path/shade.h"
 #include "render.h"
 #include "sampler.h"
@@ -60,7 +60,7 @@ static float through_glass(const struct rnd_scene *scene, const struct rnd_surfa
     bool any;
     if (surface->material->kind == RND_RICH && surface->material->transmission > 0.0f)
         return rnd_clear_is_free(scene, from, to, shadow->tfar) ? 1.0f : 0.0f;
-    return rnd_v3_luminance(rnd_clear_transmittance(scene, from, to, shadow->tfar, &any));
+    return rnd_v3_luminance(rnd_clear_transmittance(scene, 0, from, to, shadow->tfar, &any));
 }
 
 /* Luminance that a group gives to a surface if it is asked, weighted as the integrator weights it (roughly,

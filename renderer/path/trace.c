@@ -103,12 +103,14 @@ static void book(struct rnd_tracer *tracer, enum rnd_stage stage, uint64_t *last
     *last_ns = now;
 }
 
-uint64_t rnd_trace(struct rnd_tracer *tracer, const float eye[3], struct rnd_wave_io *io, uint32_t count)
+uint64_t rnd_trace(struct rnd_tracer *tracer, const float eye[3], rnd_media media, struct rnd_wave_io *io,
+                   uint32_t count)
 {
     const struct stages *stages = tracer->stages;
     const uint64_t rays = tracer->rays;
     uint64_t last_ns = now_ns();
     tracer->io = io;
+    tracer->eye = media;
     stages->start(tracer, eye, count);
     for (tracer->depth = 0; count > 0; tracer->depth++) {
         rnd_intersect(tracer, &tracer->paths[0], count, tracer->depth == 0);

@@ -1,13 +1,14 @@
 /* Paths from the eye: unidirectional, next-event estimation, multiple importance sampling, Russian roulette.
  *
  * Paths are traced in waves: all of a wave take a step together, so that rays go to Embree in
- * packets and streams, and what is done with all of them is done by vector instructions. What a path brings depends on
- * the wave that it is in (Embree's kernels round differently for packets and single rays), so whoever wants
- * the same picture twice must form the same waves twice.
+ * packets and streams, and what is done with all of them is done by vector instructions. What a path brings
+ * depends on the wave that it is in (Embree's kernels round differently for packets and single rays), so
+ * whoever wants the same picture twice must form the same waves twice.
  */
 #ifndef FOVEAD_RENDERER_TRACE_H
 #define FOVEAD_RENDERER_TRACE_H
 
+#include "path/media.h"
 #include "sampler.h"
 #include "scene/scene.h"
 
@@ -42,8 +43,9 @@ void rnd_tracer_tape(struct rnd_tracer *tracer, struct rnd_tape *tape);
 void rnd_tracer_reset(struct rnd_tracer *tracer);
 void rnd_tracer_stages(const struct rnd_tracer *tracer, struct rnd_batch *batch);
 
-/* Trace count paths (at most RND_WAVE) from the eye to their ends. Neighbours should be neighbours: packets
- * are formed in the order given. Returns the number of rays. */
-uint64_t rnd_trace(struct rnd_tracer *tracer, const float eye[3], struct rnd_wave_io *io, uint32_t count);
+/* Trace count paths (at most RND_WAVE) from the eye, which is in those media (path/media.h), to their ends.
+ * Neighbours should be neighbours: packets are formed in the order given. Returns the number of rays. */
+uint64_t rnd_trace(struct rnd_tracer *tracer, const float eye[3], rnd_media media, struct rnd_wave_io *io,
+                   uint32_t count);
 
 #endif

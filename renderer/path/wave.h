@@ -6,6 +6,7 @@
 #ifndef FOVEAD_RENDERER_WAVE_H
 #define FOVEAD_RENDERER_WAVE_H
 
+#include "path/media.h"
 #include "path/shade.h"
 #include "path/trace.h"
 #include "path/v3.h"
@@ -20,6 +21,7 @@
 /* One value of every path. */
 typedef float rnd_floats[RND_WAVE] __attribute__((aligned(64)));
 typedef uint32_t rnd_words[RND_WAVE] __attribute__((aligned(64)));
+typedef rnd_media rnd_medias[RND_WAVE] __attribute__((aligned(64)));
 
 struct rnd_vectors {
     rnd_floats x, y, z;
@@ -41,6 +43,7 @@ struct rnd_paths {
     /* In scenes with clear glass: 1 while the path has only passed clear glass since a surface that drew a
      * light through it, so that light found now is counted already; else 0. */
     rnd_words stood_for;
+    rnd_medias media; /* in scenes with media: those that the ray goes through */
 };
 
 /* What rays hit, in the order of the paths that they belong to. */
@@ -61,6 +64,7 @@ struct rnd_surfaces {
     struct rnd_vectors base;
     rnd_floats metallic, alpha; /* GGX alpha: roughness squared */
     rnd_floats f0, f90;         /* reflectance of the non-metal ahead and at grazing angles */
+    rnd_medias behind;          /* in scenes with media: those behind the surface */
 };
 
 /* A light chosen for each point; pdf 0: none. */
@@ -105,7 +109,8 @@ struct rnd_shadows {
     /* In scenes with clear glass: factor of light that came through it, which takes the MIS weight away,
      * since no path finds that light by chance; 0: light through glass does not count. */
     rnd_floats through;
-    rnd_words id; /* as of paths */
+    rnd_medias media; /* in scenes with both, those that the ray begins in */
+    rnd_words id;     /* as of paths */
 };
 
 enum rnd_stage { RND_STAGE_RAYS, RND_STAGE_SURFACE, RND_STAGE_LIGHT, RND_STAGE_SCATTER, RND_STAGES };
@@ -128,6 +133,7 @@ struct rnd_tracer {
 
     /* of the wave under way */
     struct rnd_wave_io *io;
+    rnd_media eye; /* what it is in */
     int depth;
     struct rnd_paths paths[2]; /* paths of the step, and where those that go on are put */
     struct rnd_hits hits;
@@ -164,6 +170,19 @@ RND_INLINE struct rnd_v3 rnd_normal_to_world(const struct rnd_instance *instance
     const float *m = instance->normal_to_world;
     return rnd_v3(m[0] * n.x + m[3] * n.y + m[6] * n.z, m[1] * n.x + m[4] * n.y + m[7] * n.z,
                   m[2] * n.x + m[5] * n.y + m[8] * n.z);
+}
+
+RND_INLINE bool rnd_has_media(const struct rnd_tracer *tracer)
+{
+    return tracer->scene->medium_count > 0;
+}
+
+/* How far off a surface rays begin: beyond what rounding may have moved the point into it, by its coordinates
+ * and by the length of the ray that found it. */
+RND_INLINE float rnd_offset(struct rnd_v3 p, float distance)
+{
+    const float largest = rnd_larger(rnd_larger(fabsf(p.x), fabsf(p.y)), rnd_larger(fabsf(p.z), distance));
+    return largest * 0x1p-16f;
 }
 
 /* Do paths end at the surfaces of this step? */

@@ -34,19 +34,27 @@ static void attach_instance(const struct rnd_scene *scene, uint32_t i, RTCScene 
     rtcReleaseGeometry(geometry);
 }
 
-/* The tree of clear glass alone, if there is any. */
-static void build_glass(struct rnd_scene *scene, RTCScene *part)
+/* The tree of some meshes alone, with the ids of the whole tree. NULL if there are none. */
+static RTCScene part_of(const struct rnd_scene *scene, RTCScene *part, enum RTCSceneFlags flags,
+                        bool (*has)(const struct rnd_scene *, uint32_t))
 {
     bool any = false;
-    for (uint32_t i = 0; i < scene->mesh_count; i++) any |= rnd_is_clear(scene, i);
-    if (!any) return;
-    scene->clear_tree = rtcNewScene(scene->device);
+    for (uint32_t i = 0; i < scene->mesh_count; i++) any |= has(scene, i);
+    if (!any) return NULL;
+    RTCScene tree = rtcNewScene(scene->device);
+    rtcSetSceneFlags(tree, flags);
     for (uint32_t i = 0; i < scene->mesh_count; i++)
-        if (rnd_is_clear(scene, i) && !scene->mesh[i].instanced) attach_mesh(scene, i, scene->clear_tree, i);
+        if (has(scene, i) && !scene->mesh[i].instanced) attach_mesh(scene, i, tree, i);
     for (uint32_t i = 0; i < scene->instance_count; i++)
-        if (rnd_is_clear(scene, scene->instance[i].mesh))
-            attach_instance(scene, i, part[scene->instance[i].mesh], scene->clear_tree);
-    rtcCommitScene(scene->clear_tree);
+        if (has(scene, scene->instance[i].mesh))
+            attach_instance(scene, i, part[scene->instance[i].mesh], tree);
+    rtcCommitScene(tree);
+    return tree;
+}
+
+static bool has_medium(const struct rnd_scene *scene, uint32_t mesh)
+{
+    return scene->material[scene->mesh[mesh].material].medium != 0;
 }
 
 bool rnd_accel_build(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE])
@@ -74,13 +82,14 @@ bool rnd_accel_build(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE])
             continue;
         }
         part[i] = rtcNewScene(scene->device);
-        if (scene->one_sided) rtcSetSceneFlags(part[i], RND_SCENE_QUERY_FILTER);
+        if (scene->one_sided || has_medium(scene, i)) rtcSetSceneFlags(part[i], RND_SCENE_QUERY_FILTER);
         attach_mesh(scene, i, part[i], 0);
         rtcCommitScene(part[i]);
     }
     for (uint32_t i = 0; i < scene->instance_count; i++)
         attach_instance(scene, i, part[scene->instance[i].mesh], scene->tree);
-    build_glass(scene, part);
+    scene->clear_tree = part_of(scene, part, RTC_SCENE_FLAG_NONE, rnd_is_clear);
+    scene->border_tree = part_of(scene, part, RND_SCENE_QUERY_FILTER, has_medium);
     for (uint32_t i = 0; i < scene->mesh_count; i++)
         if (part[i]) rtcReleaseScene(part[i]); /* its instances hold it */
     free(part);

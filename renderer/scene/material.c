@@ -69,30 +69,48 @@ void rnd_material_set_kind(struct rnd_material *m)
     m->pane = is_pane(m);
 }
 
-/* Materials often share an index and a roughness. */
-static const struct rnd_glass *same_glass(const struct rnd_scene *scene, uint32_t before)
+/* --- media --- */
+
+/* Materials often share a medium. */
+static void add_medium(struct rnd_scene *scene, struct rnd_material *m)
 {
-    const struct rnd_material *m = &scene->material[before];
-    for (uint32_t i = 0; i < before; i++) {
-        const struct rnd_material *other = &scene->material[i];
-        if (other->glass && other->ior == m->ior && other->roughness == m->roughness &&
-            (other->map[RND_MAP_METAL_ROUGH].texture >= 0) == (m->map[RND_MAP_METAL_ROUGH].texture >= 0))
-            return other->glass;
-    }
-    return NULL;
+    uint32_t k = 1;
+    while (k <= scene->medium_count &&
+           (scene->medium[k].ior != m->ior || !glms_vec3_eqv(scene->medium[k].absorption, m->absorption)))
+        k++;
+    if (k > UINT16_MAX) k = UINT16_MAX; /* more are taken for the last one */
+    if (k > scene->medium_count)
+        scene->medium[++scene->medium_count] = (struct rnd_medium){m->ior, m->absorption};
+    m->medium = (uint16_t)k;
+}
+
+/* The table of a material's medium in another: they often share these too. NULL if memory is short. */
+static const struct rnd_glass *glass_in(struct rnd_scene *scene, const struct rnd_material *m, float ior)
+{
+    const float ratio = m->ior / ior, least = m->map[RND_MAP_METAL_ROUGH].texture >= 0 ? 0.0f : m->roughness;
+    for (uint32_t i = 0; i < scene->glass_count; i++)
+        if (rnd_glass_is(scene->glass[i], ratio, least, m->roughness)) return scene->glass[i];
+    return scene->glass[scene->glass_count++] = rnd_glass_create(ratio, least, m->roughness);
 }
 
 bool rnd_materials_build(struct rnd_scene *scene)
 {
-    if (!(scene->glass = calloc(scene->material_count + 1, sizeof *scene->glass))) return false;
-    for (uint32_t i = 0; i < scene->material_count; i++) {
+    const uint32_t count = scene->material_count;
+    scene->medium = calloc(count + 1, sizeof *scene->medium);
+    scene->glass = calloc((size_t)count * RND_GLASS_MEDIA + 1, sizeof *scene->glass);
+    if (!scene->medium || !scene->glass) return false;
+    scene->medium[0].ior = 1.0f;
+    for (uint32_t i = 0; i < count; i++) {
         struct rnd_material *m = &scene->material[i];
-        if (m->kind != RND_RICH || !(m->transmission > 0.0f) || m->thin || !(m->roughness > 0.0f)) continue;
-        if ((m->glass = same_glass(scene, i))) continue;
-        const float least = m->map[RND_MAP_METAL_ROUGH].texture >= 0 ? 0.0f : m->roughness;
-        struct rnd_glass *glass = rnd_glass_create(m->ior, least, m->roughness);
-        if (!glass) return false;
-        m->glass = scene->glass[scene->glass_count++] = glass;
+        if (m->kind == RND_RICH && m->transmission > 0.0f && !m->thin) add_medium(scene, m);
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        struct rnd_material *m = &scene->material[i];
+        if (!m->medium || !(m->roughness > 0.0f)) continue;
+        for (uint32_t k = 0; k <= scene->medium_count && k < RND_GLASS_MEDIA; k++) {
+            if (k > 0 && scene->medium[k].ior == m->ior) continue;
+            if (!(m->glass[k] = glass_in(scene, m, scene->medium[k].ior))) return false;
+        }
     }
     return true;
 }

@@ -57,8 +57,10 @@ struct building {
 static void *build_geometry(void *argument)
 {
     struct building *b = argument;
-    b->ok = rnd_accel_build(b->scene, b->error);
-    if (!b->ok || (rnd_records_build(b->scene) && rnd_materials_build(b->scene))) return NULL;
+    if (rnd_materials_build(b->scene)) {
+        b->ok = rnd_accel_build(b->scene, b->error);
+        if (!b->ok || rnd_records_build(b->scene)) return NULL;
+    }
     b->ok = false;
     snprintf(b->error, sizeof b->error, "not enough memory for %llu triangles",
              (unsigned long long)b->scene->info.triangles);
@@ -239,6 +241,7 @@ void rnd_scene_destroy(struct rnd_scene *scene)
     }
     if (scene->tree) rtcReleaseScene(scene->tree);
     if (scene->clear_tree) rtcReleaseScene(scene->clear_tree);
+    if (scene->border_tree) rtcReleaseScene(scene->border_tree);
     if (scene->device) rtcReleaseDevice(scene->device);
     rnd_lights_finish(&scene->lights);
     for (uint32_t i = 0; i < scene->mesh_count; i++) rnd_mesh_finish(&scene->mesh[i]);
@@ -249,6 +252,7 @@ void rnd_scene_destroy(struct rnd_scene *scene)
     free(scene->textured);
     for (uint32_t i = 0; i < scene->glass_count; i++) free(scene->glass[i]);
     free(scene->glass);
+    free(scene->medium);
     for (uint32_t i = 0; i < scene->texture_count; i++) rnd_texture_finish(&scene->texture[i]);
     free(scene->texture);
     free(scene->record);

@@ -52,6 +52,16 @@ struct rnd_map {
     float transform[6];
 };
 
+/* What light goes through: KHR_materials_volume and _ior. */
+struct rnd_medium {
+    float ior;
+    vec3s absorption; /* 1/m */
+};
+
+/* Media that have tables of rough glass in each other; of those beyond, what facets hide in each other is
+ * lost. */
+enum { RND_GLASS_MEDIA = 6 };
+
 /* glTF 2.0 with its extensions; what other formats have is mapped to it. */
 struct rnd_material {
     enum rnd_material_kind kind;
@@ -65,10 +75,10 @@ struct rnd_material {
     float specular; /* KHR_materials_specular: scales the reflectance of the non-metal */
     vec3s specular_colour;
     float transmission;
-    bool thin;                     /* transmits without bending: no KHR_materials_volume thickness */
-    bool pane;                     /* thin and smooth all over: light goes straight through */
-    const struct rnd_glass *glass; /* the scene's; NULL if it is not rough or bends nothing */
-    vec3s absorption;              /* 1/m, inside: KHR_materials_volume */
+    bool thin;        /* transmits without bending: no KHR_materials_volume thickness */
+    bool pane;        /* thin and smooth all over: light goes straight through */
+    vec3s absorption; /* 1/m, inside: KHR_materials_volume */
+    uint16_t medium;  /* inside: one of the scene's, or 0: it has no inside that light gets to */
     float clearcoat, clearcoat_roughness;
     vec3s sheen_colour;
     float sheen_roughness;
@@ -78,6 +88,9 @@ struct rnd_material {
     bool double_sided; /* emits from both sides; light is scattered by both in any case */
     bool one_sided;    /* not there for an eye that sees its back: glTF's back-face culling */
     struct rnd_map map[RND_MAPS];
+    /* The scene's tables of its medium in others, if it is rough glass; by the other's id, 0 is air. NULL
+     * where nothing is bent. */
+    const struct rnd_glass *glass[RND_GLASS_MEDIA];
 };
 
 /* Does a mesh of that material give light? */
@@ -137,6 +150,8 @@ struct rnd_scene {
     struct rnd_texture *texture;
     uint32_t glass_count;
     struct rnd_glass **glass;  /* of materials, each once */
+    uint32_t medium_count;     /* without air */
+    struct rnd_medium *medium; /* of materials, each once, from 1; 0 is air */
     struct rnd_record *record; /* of all triangles, mesh by mesh */
     uint32_t instance_count;
     struct rnd_instance *instance;
@@ -145,7 +160,9 @@ struct rnd_scene {
     RTCDevice device;
     RTCScene tree;
     bool clear_glass;    /* as struct rnd_scene_options has it */
-    RTCScene clear_tree; /* of the meshes that rnd_is_clear(), with the ids of tree; NULL: there are none */
+    /* With the ids of tree; NULL: there are none. */
+    RTCScene clear_tree;  /* of the meshes that rnd_is_clear() */
+    RTCScene border_tree; /* of those whose material has a medium */
 
     /* While textures are read: the materials with all their maps; material are those that do without. */
     struct rnd_material *textured;
@@ -197,7 +214,7 @@ void rnd_textures_drop_unread(struct rnd_scene *scene, struct rnd_warnings *warn
 /* Bring all of them under the cap of memory, and tell what they take. */
 void rnd_textures_cap(struct rnd_scene *scene);
 
-/* material.c: tables for those that are rough glass. False if memory is short. */
+/* material.c: media, and tables for those that are rough glass. False if memory is short. */
 bool rnd_materials_build(struct rnd_scene *scene);
 
 /* accel.c */

@@ -73,7 +73,10 @@ static inline void make(const struct case_of_bsdf *from, float base, struct rnd_
                                       .ior = ior,
                                       .transmission = from->transmission,
                                       .thin = from->thin};
-    if (from->transmission > 0 && !from->thin) material->glass = glass_of(ior, from->roughness);
+    if (from->transmission > 0 && !from->thin) {
+        material->medium = 1;
+        material->glass[0] = glass_of(ior, from->roughness);
+    }
     *out = (struct rnd_surface){
         .material = material,
         .geometric = n,
@@ -89,7 +92,8 @@ static inline void make(const struct case_of_bsdf *from, float base, struct rnd_
                    .coat_alpha = rnd_alpha(from->coat_roughness),
                    .coat_normal = glms_vec3_muladds(x, sinf(tilt), glms_vec3_scale(n, cosf(tilt))),
                    .sheen = {{from->sheen, from->sheen, from->sheen}},
-                   .sheen_roughness = from->sheen_roughness}};
+                   .sheen_roughness = from->sheen_roughness},
+        .between = rnd_interface_in_air(material, !from->back)};
 }
 
 /* A direction by cosine to the surface's normal and azimuth around it. */

@@ -1,5 +1,6 @@
 /* Materials with all that glTF's extensions give them: draws and densities, what a white furnace returns,
  * Fresnel, Snell, Beer and Lambert where they are known. */
+#include "path/media.h"
 #include "renderer_bsdf.h"
 
 #include <stdlib.h>
@@ -73,7 +74,7 @@ static double furnace(const struct case_of_bsdf *c, double angle_deg)
     struct rnd_surface s;
     make(c, 1.0f, &material, &s);
     const vec3s wo = direction(&s, cos(angle_deg * deg), 0.4);
-    const double eta = !rnd_has_volume(&s) ? 1.0 : c->back ? 1 / material.ior : material.ior;
+    const double eta = !material.medium ? 1.0 : c->back ? 1 / material.ior : material.ior;
     const uint32_t side = 200;
     double sum = 0.0;
     for (uint32_t k = 0; k < side * side; k++) {
@@ -184,9 +185,9 @@ static void glass_is_reciprocal(void **state)
         if (!draw(&s, a, 9, i, &sample) || glms_vec3_dot(sample.wi, s.shading) > 0) continue;
         const float cb = -glms_vec3_dot(sample.wi, s.shading);
         const double f = rnd_bsdf(&s, a, sample.wi, &pdf).x / cb *
-                         rnd_glass_albedo(material.glass, ca, s.alpha, false),
+                         rnd_glass_albedo(material.glass[0], ca, s.alpha, false),
                      g = rnd_bsdf(&behind, sample.wi, a, &pdf).x / ca *
-                         rnd_glass_albedo(material.glass, cb, s.alpha, true);
+                         rnd_glass_albedo(material.glass[0], cb, s.alpha, true);
         seen++;
         assert_float_equal(2.25 * f, g, 5e-3 * g + 1e-6);
     }
@@ -254,6 +255,8 @@ static void absorbing_slab(void **state)
     const struct case_of_bsdf glass = rich((struct case_of_bsdf){.specular = 1, .transmission = 1});
     const double sigma = 3, d = 0.2, r = 0.04, left = exp(-sigma * d);
     const double expected = (1 - r) * (1 - r) * left / (1 - r * r * left * left);
+    struct rnd_medium media[] = {{.ior = 1}, {.ior = 1.5f, .absorption = {{(float)sigma, 0, 0}}}};
+    const struct rnd_scene scene = {.medium_count = 1, .medium = media};
     double passed = 0.0;
     const uint32_t n = 200000;
     for (uint32_t i = 0; i < n; i++) {
@@ -261,14 +264,14 @@ static void absorbing_slab(void **state)
         struct rnd_surface s;
         struct rnd_bsdf_sample sample;
         make(&glass, 1, &material, &s);
-        material.absorption = (vec3s){{(float)sigma, 0, 0}};
         const vec3s out = s.geometric;
         vec3s wo = out;
         double weight = 1.0;
         for (uint32_t hit = 0;; hit++) {
             s.geometric = s.shading = wo;
             s.front = hit == 0;
-            const vec3s t = rnd_transmittance(&s, (float)d);
+            s.between = rnd_interface_in_air(&material, s.front);
+            const struct rnd_v3 t = rnd_media_transmittance(&scene, hit > 0, (float)d);
             weight *= t.x;
             assert_true(t.y == 1.0f);
             assert_true(hit < 60 && draw(&s, wo, hit, i, &sample));

@@ -48,7 +48,7 @@ static double arriving(const struct rnd_scene *scene, double azimuth_deg, double
                     row == (uint32_t)(y + down) && column == (uint32_t)(x + across) && k == paths - 1;
                 if (++count < RND_WAVE && !last && !(k == paths - 1 && column == (uint32_t)(x + across)))
                     continue;
-                rnd_trace(tracer, eye, &io, count);
+                rnd_trace(tracer, eye, 0, &io, count);
                 for (uint32_t i = 0; i < count; i++) sum += (double)io.radiance[0][i] * angle / paths;
                 count = 0;
             }
