@@ -242,6 +242,36 @@ bool trk_is_lid_down(const struct trk_sample *sample, int eye)
     return (sample->valid & TRK_LEFT_OPENNESS << 4 * eye) && sample->eye[eye].openness < half_open;
 }
 
+bool trk_combine(struct trk_sample *sample)
+{
+    vec3 direction = {0}, origin = {0};
+    int eyes = 0, origins = 0;
+    bool is_mean = false;
+    for (int i = 0; i < 2; i++) {
+        /* an eye under its lid tells nothing where the other one is open */
+        const bool other = (sample->valid & TRK_LEFT_DIRECTION << 4 * !i) && !trk_is_lid_down(sample, !i);
+        if ((sample->valid & TRK_LEFT_DIRECTION << 4 * i) && !(trk_is_lid_down(sample, i) && other)) {
+            glm_vec3_add(direction, sample->eye[i].direction, direction);
+            eyes++;
+        }
+        if (sample->valid & TRK_LEFT_ORIGIN << 4 * i) {
+            glm_vec3_add(origin, sample->eye[i].origin, origin);
+            origins++;
+        }
+    }
+    /* Two eyes that look apart by half a turn have no mean. */
+    if (!(sample->valid & TRK_DIRECTION) && glm_vec3_norm(direction) > 1e-3f) {
+        glm_vec3_normalize_to(direction, sample->direction);
+        sample->valid |= TRK_DIRECTION;
+        is_mean = eyes == 2;
+    }
+    if (!(sample->valid & TRK_ORIGIN) && origins > 0) {
+        glm_vec3_scale(origin, 1.f / (float)origins, sample->origin);
+        sample->valid |= TRK_ORIGIN;
+    }
+    return is_mean;
+}
+
 bool trk_gaze_direction(const struct trk_sample *sample, float out_head[3], const char **out_source)
 {
     const bool left = (sample->valid & TRK_LEFT_DIRECTION) && !trk_is_lid_down(sample, 0);

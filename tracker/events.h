@@ -49,6 +49,10 @@ enum trk_state trk_classify(struct trk_classifier *classifier, uint64_t time_ns,
  */
 bool trk_gaze_direction(const struct trk_sample *sample, float out_head[3], const char **out_source);
 
+/* The combined gaze and its origin, where the sample has none: the mean of the eyes that are valid; one is
+ * enough. True if it is that of two. */
+bool trk_combine(struct trk_sample *sample);
+
 /* A direction in the head, by the sample's head pose if it has one. */
 void trk_to_world(const struct trk_sample *sample, const float head[3], float out_world[3]);
 

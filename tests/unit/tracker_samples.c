@@ -4,7 +4,7 @@
 #include <stddef.h>
 #include <cmocka.h>
 
-#include "log/log.h"
+#include "events.h"
 #include "log/samples.h"
 #include "tracker.h"
 #include "tracker_samples.h"

@@ -1,8 +1,6 @@
 /* From what devices record to our units and frame: frames, screens, and the fields of a sample. */
 #include "log/log.h"
 
-#include "events.h"
-
 #include <cglm/cglm.h>
 #include <math.h>
 #include <string.h>
@@ -131,36 +129,6 @@ void trk_set_openness(struct trk_sample *sample, int eye, double openness)
     if (!isfinite(openness)) return;
     sample->eye[eye].openness = (float)fmin(fmax(openness, 0), 1);
     sample->valid |= TRK_LEFT_OPENNESS << 4 * eye;
-}
-
-bool trk_combine(struct trk_sample *sample)
-{
-    vec3 direction = {0}, origin = {0};
-    int eyes = 0, origins = 0;
-    bool is_mean = false;
-    for (int i = 0; i < 2; i++) {
-        /* an eye under its lid tells nothing where the other one is open */
-        const bool other = (sample->valid & TRK_LEFT_DIRECTION << 4 * !i) && !trk_is_lid_down(sample, !i);
-        if ((sample->valid & TRK_LEFT_DIRECTION << 4 * i) && !(trk_is_lid_down(sample, i) && other)) {
-            glm_vec3_add(direction, sample->eye[i].direction, direction);
-            eyes++;
-        }
-        if (sample->valid & TRK_LEFT_ORIGIN << 4 * i) {
-            glm_vec3_add(origin, sample->eye[i].origin, origin);
-            origins++;
-        }
-    }
-    /* Two eyes that look apart by half a turn have no mean. */
-    if (!(sample->valid & TRK_DIRECTION) && glm_vec3_norm(direction) > 1e-3f) {
-        glm_vec3_normalize_to(direction, sample->direction);
-        sample->valid |= TRK_DIRECTION;
-        is_mean = eyes == 2;
-    }
-    if (!(sample->valid & TRK_ORIGIN) && origins > 0) {
-        glm_vec3_scale(origin, 1.f / (float)origins, sample->origin);
-        sample->valid |= TRK_ORIGIN;
-    }
-    return is_mean;
 }
 
 void trk_unity_euler(const float angles_deg[3], float out_rotation[4])

@@ -8,6 +8,7 @@
 #ifndef FOVEAD_TRACKER_LOG_H
 #define FOVEAD_TRACKER_LOG_H
 
+#include "events.h"
 #include "tracker.h"
 
 #include <stdio.h>
@@ -353,10 +354,6 @@ void trk_set_origin(struct trk_sample *sample, int eye, const float origin[3], f
 /* Pupil in mm (not finite or not above 0: unknown) and openness 0..1 (not finite: unknown) of eye 0 or 1. */
 void trk_set_pupil(struct trk_sample *sample, int eye, double mm);
 void trk_set_openness(struct trk_sample *sample, int eye, double openness);
-
-/* The combined gaze where the file has none: the mean of the eyes that are valid; one is enough. True if it
- * is that of two. */
-bool trk_combine(struct trk_sample *sample);
 
 /* Unity's frame is left-handed, +X right, +Y up, +Z forward, in metres; mirroring Z takes it to ours. Its
  * Euler angles are degrees, applied about Z, then X, then Y. Numbers that are not finite leave the pose

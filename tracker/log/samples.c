@@ -12,7 +12,7 @@
  * samples are replaced. */
 #include "log/samples.h"
 
-#include "log/log.h"
+#include "events.h"
 
 #include <stdlib.h>
 #include <string.h>
