@@ -1,20 +1,21 @@
 # End-to-end tests: the real programs, run by scripts, with what scripts cannot do as small programs.
-foreach(program compare golden hostile mean moves notified picture port)
+foreach(program compare false_daemon golden hostile mean moves notified picture port)
   add_executable(e2e_${program} e2e/${program}.c)
 endforeach()
-foreach(program hostile moves)
+foreach(program false_daemon hostile moves)
   target_link_libraries(e2e_${program} PRIVATE protocol m)
 endforeach()
 foreach(program compare golden mean picture)
   target_link_libraries(e2e_${program} PRIVATE daemon renderer m)
 endforeach()
 
-foreach(name access attention bad_input compare files hostile libraries move record shutdown steer tracker until virtual)
+foreach(name access attention bad_input compare disk files hostile kills libraries move record shutdown steer streams tracker
+        until virtual)
   add_test(NAME e2e_${name} COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/e2e/${name}.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
   set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" SKIP_RETURN_CODE 77)
 endforeach()
 # What has clients and threads at once is for the thread sanitizer too.
-set_tests_properties(e2e_attention e2e_hostile e2e_move e2e_record e2e_shutdown e2e_steer e2e_virtual PROPERTIES LABELS "e2e;threads")
+set_tests_properties(e2e_attention e2e_hostile e2e_move e2e_record e2e_shutdown e2e_steer e2e_streams e2e_virtual PROPERTIES LABELS "e2e;threads")
 
 # What a new user types first, real scenes and many small ones; they take long, so once is enough.
 if(NOT SANITIZE)

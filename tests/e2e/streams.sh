@@ -1,0 +1,128 @@
+#!/bin/sh
+# What programs are given and what becomes of it: closed descriptors, output that cannot be written, signals that come
+# together, daemons that die, pictures that never rest.
+. "$(dirname "$0")/common.sh"
+make_room
+make_log
+small="--scene room.obj --size 256x128"
+
+# Closed descriptors: a recording has no lines but its own, a picture no bytes but its own.
+"$fovead" $small --gaze replay:short.gaze --clock virtual --record open.gaze --save open.exr >/dev/null
+for closed in '<&-' '>&-' '<&- >&-' '<&- >&- 2>&-'; do
+    rm -f closed.gaze closed.exr closed.png
+    eval '"$fovead" $small --gaze replay:short.gaze --clock virtual --record closed.gaze --save closed.exr 2>closed.err >closed.out '"$closed" ||
+        fail "status $? with $closed: $(cat closed.err)"
+    cmp open.gaze closed.gaze && cmp open.exr closed.exr || fail "not the same with $closed"
+    eval '"$foveactl" samples closed.exr closed.png 2>closed.err >closed.out '"$closed" || fail "status $? with $closed: $(cat closed.err)"
+    "$programs/e2e_picture" closed.png 256 128 >/dev/null
+done
+
+# Output that cannot be written is an error of every program, and of everything that prints.
+unwritten() {
+    status=0
+    "$@" >/dev/full 2>unwritten.err || status=$?
+    [ "$status" = 1 ] && grep -q 'the output cannot be written: No space left on device$' unwritten.err ||
+        fail "status $status of $* >/dev/full: $(cat unwritten.err)"
+}
+start $small --gaze synthetic:2
+for program in fovead foveactl foveactl-image fovea-bench; do
+    [ ! -x "$programs/$program" ] || unwritten "$programs/$program" --help
+done
+unwritten "$fovead" --version
+unwritten "$fovead" --list-trackers --json
+unwritten "$foveactl" stats
+unwritten "$foveactl" stats --json
+unwritten "$foveactl" watch --for 3600
+unwritten "$foveactl" watch --for 1 --json
+unwritten "$foveactl" snapshot full.png
+unwritten "$foveactl" save full.exr
+unwritten "$foveactl" move --by 0,0,0.1
+unwritten "$foveactl" compare open.exr open.exr
+unwritten "$foveactl" gaze info short.gaze
+unwritten "$foveactl" gaze convert short.gaze full.gaze
+# The picture is kept all the same, and a pipe that nobody reads is no end either.
+unwritten "$fovead" $small --until 1spp --save unwritten.exr
+"$programs/e2e_picture" unwritten.exr 256 128 >/dev/null
+("$fovead" $small --until 1spp --save unread.exr 2>/dev/null || echo $? >status) | true
+[ "$(cat status)" = 1 ] || fail 'nobody read it, and it was written'
+"$programs/e2e_picture" unread.exr 256 128 >/dev/null
+
+# A daemon that ends in order is no error for who watches, one that dies is; snapshot keeps what is whole.
+"$foveactl" watch --for 3600 --json >watch.json 2>watch.err &
+watcher=$!
+await 'a client that watches' told stats.json clients 2
+stop
+wait $watcher || fail "the daemon has ended in order, and watch with status $?: $(cat watch.err)"
+start $small --gaze synthetic:2
+"$foveactl" watch --for 3600 --json >watch.json 2>watch.err &
+watcher=$!
+await 'a client that watches' told stats.json clients 2
+kill -9 "$daemon"
+wait "$daemon" || true
+daemon=
+! wait $watcher || fail 'the daemon was killed, and watch says nothing'
+[ "$(wc -l <watch.err)" = 1 ] && grep -q 'closed the connection\|broke' watch.err || fail "$(cat watch.err)"
+grep -q '"coverage"' watch.json || fail 'no figures of what there was'
+
+# false_daemon KIND: welcomes the next client, and then is of that kind.
+false_daemon() {
+    rm -f false.sock
+    "$programs/e2e_false_daemon" "$place/false.sock" "$1" &
+    false=$!
+    await 'a false daemon' test -S false.sock
+}
+for kind in gone torn nonsense; do
+    false_daemon $kind
+    refused "unix:$place/false.sock" "$foveactl" --connect "unix:$place/false.sock" --wait watch --for 3600
+    wait $false
+    false_daemon $kind
+    refused "unix:$place/false.sock" "$foveactl" --connect "unix:$place/false.sock" --wait snapshot false.png
+    wait $false
+done
+for kind in silent partial; do
+    false_daemon $kind
+    refused 'of the picture is there' "$foveactl" --connect "unix:$place/false.sock" --wait snapshot false.png --within 0.5
+    wait $false
+done
+[ ! -e false.png ] || fail 'a picture of nothing'
+
+# A camera that moves all the while: the picture never rests, and is taken.
+start $small --gaze synthetic:2
+while kill -0 "$daemon" && "$foveactl" move --by 0.001,0,0 && sleep 1; do :; done >moves 2>/dev/null &
+mover=$!
+"$foveactl" snapshot moved.png --settle 3 || fail 'no picture while the camera moves'
+"$programs/e2e_picture" moved.png 256 128 >/dev/null
+[ "$(wc -l <moves)" -gt 2 ] || fail "the camera did not move: $(cat moves)"
+stop
+wait $mover || true
+
+# Signals that come together are one request, SIGHUP is one, and the picture is kept; nohup is obeyed.
+for signals in 'INT TERM' 'INT TERM HUP' HUP; do
+    rm -f kept.exr
+    start $small --gaze synthetic:2 --save kept.exr
+    kill -STOP "$daemon" # so that all of them come at once
+    for signal in $signals; do kill "-$signal" "$daemon"; done
+    kill -CONT "$daemon"
+    wait "$daemon" || fail "status $? after $signals"
+    daemon=
+    "$programs/e2e_picture" kept.exr 256 128 >/dev/null
+done
+rm daemon.out
+(
+    trap '' HUP
+    exec "$fovead" $small --gaze synthetic:2 --save kept.exr >daemon.out 2>daemon.err
+) &
+daemon=$!
+await 'the daemon' grep -qs '^fovead: ready$' daemon.out
+kill -HUP "$daemon"
+"$foveactl" stats >/dev/null || fail 'nohup is of no use'
+stop
+# A client that records ends that, too.
+start $small --gaze synthetic:2
+"$foveactl" record hup.gaze --for 3600 >record.out &
+recorder=$!
+await 'a recording' test -s record.out
+kill -HUP $recorder
+wait $recorder || fail "record ended with status $? after SIGHUP"
+grep -q '^recorded' record.out || fail "$(cat record.out)"
+stop
