@@ -20,7 +20,8 @@ enum {
  * matters for large films; but at least every LONGEST_PAUSE_NS. The cost of a look is processor time: on a
  * busy machine a look may last long without costing more. */
 static const uint64_t LOOK_NS = 2000000, LONGEST_PAUSE_NS = 100000000;
-enum { LOOK_SHARE = 10 };
+/* When the gaze moves, what it makes of the tiles that have no new paths is looked at in so many parts. */
+enum { LOOK_SHARE = 10, GAZE_PARTS = 16 };
 
 /* How long the end waits for clients that do not read. */
 static const lws_usec_t BYE_US = 1000000;
@@ -45,8 +46,9 @@ struct dmn_loop {
     bool look_waits;
     uint64_t looked_ns, look_cost_ns, painted; /* batches painted at the last look */
     struct rnd_tile *tiles;
-    uint32_t *changed; /* room for the places of all of them */
-    bool stop, late;   /* the loop ends; clients have had time enough to take their Bye */
+    uint32_t *changed;     /* room for the places of all of them */
+    size_t outdated, part; /* tiles that were last looked at for another gaze, the first of them at part */
+    bool stop, late;       /* the loop ends; clients have had time enough to take their Bye */
 };
 
 /* --- the state of the picture
@@ -102,23 +104,29 @@ static void take_tile(struct dmn_loop *loop, size_t i)
     dmn_pyramid_set(&common->pyramid, i, &state);
 }
 
-static void look(struct dmn_loop *loop)
+/* Take up what has become of the tiles since the last look: of those that have changed at once; of the
+ * others, when the gaze has moved, part by part. whole: of all now. */
+static void look(struct dmn_loop *loop, bool whole)
 {
     struct dmn_common *common = loop->common;
     const struct dmn_level *level = &common->pyramid.level[0];
-    size_t count = (size_t)level->columns * level->rows;
+    size_t count = (size_t)level->columns * level->rows, part;
     uint64_t began_ns = processor_ns();
     uint32_t changes;
     struct dmn_gaze_state gaze;
-    bool all;
 
     loop->looked_ns = dmn_now_ns();
     dmn_gaze_state(common->gaze, &gaze);
     changes = rnd_render_published(common->render, loop->tiles, loop->changed);
-    all = drop_old(loop, changes, count) ||
-          memcmp(common->direction, gaze.direction, sizeof(common->direction));
+    whole |= drop_old(loop, changes, count);
+    if (memcmp(common->direction, gaze.direction, sizeof(common->direction))) loop->outdated = count;
     memcpy(common->direction, gaze.direction, sizeof(common->direction));
-    for (size_t i = 0; i < (all ? count : changes); i++) take_tile(loop, all ? i : loop->changed[i]);
+    for (uint32_t i = 0; i < changes; i++) take_tile(loop, loop->changed[i]);
+    part = count / GAZE_PARTS + 1;
+    if (whole || part > loop->outdated) part = whole ? count : loop->outdated;
+    for (size_t i = 0; i < part; i++) take_tile(loop, (loop->part + i) % count);
+    loop->part = (loop->part + part) % count;
+    loop->outdated = whole ? 0 : loop->outdated - part;
     dmn_pyramid_update(&common->pyramid);
     common->version++;
     loop->look_cost_ns = processor_ns() - began_ns;
@@ -129,7 +137,7 @@ static void on_look(lws_sorted_usec_list_t *sul)
     struct dmn_loop *loop = lws_container_of(sul, struct dmn_loop, look);
 
     loop->look_waits = false;
-    look(loop);
+    look(loop, false);
     ask_to_write(loop);
 }
 
@@ -142,7 +150,7 @@ static void look_soon(struct dmn_loop *loop)
     if (pause_ns > LONGEST_PAUSE_NS) pause_ns = LONGEST_PAUSE_NS;
     if (loop->look_waits) return;
     if (passed_ns >= pause_ns) {
-        look(loop);
+        look(loop, false);
         return;
     }
     loop->look_waits = true;
@@ -155,7 +163,7 @@ static void drop(struct peer *peer, const char *why)
     uint8_t *frame;
 
     dmn_print(stderr, "fovead: client %u (%s) dropped: %s\n", dmn_session_number(peer->session),
-            dmn_session_peer(peer->session), why);
+              dmn_session_peer(peer->session), why);
     if (lws_send_pipe_choked(peer->wsi) || !(frame = dmn_farewell(why, LWS_PRE, &count))) return;
     lws_write(peer->wsi, frame + LWS_PRE, count, LWS_WRITE_RAW);
     free(frame);
@@ -413,7 +421,7 @@ void dmn_loop_destroy(struct dmn_loop *loop)
 
 void dmn_loop_look(struct dmn_loop *loop)
 {
-    look(loop);
+    look(loop, true);
 }
 
 void dmn_loop_wake(void *loop)
