@@ -25,6 +25,8 @@ if(NOT SANITIZE)
   endforeach()
   set_tests_properties(e2e_cases e2e_golden PROPERTIES RUN_SERIAL OFF) # they ask for paths, not for time
   # Sanitizers have their own of what is looked for here.
-  add_test(NAME e2e_hardened COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/e2e/hardened.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
-  set_tests_properties(e2e_hardened PROPERTIES LABELS "e2e" SKIP_RETURN_CODE 77)
+  foreach(name hardened service)
+    add_test(NAME e2e_${name} COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/e2e/${name}.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
+    set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" SKIP_RETURN_CODE 77)
+  endforeach()
 endif()
