@@ -33,20 +33,21 @@ static bool is_whole(int drawn, const char *path)
            memmem(last, sizeof(last), end, strlen(end));
 }
 
-static bool copy(int drawn, const char *path, char out_error[DMN_FILE_ERROR_SIZE])
+static bool copy(int drawn, const char *path, mode_t mode, char out_error[DMN_FILE_ERROR_SIZE])
 {
     char bytes[65536];
     struct dmn_file file;
     ssize_t count;
     off_t at = 0;
 
-    if (!dmn_file_begin(&file, path, 0666, true, out_error)) return false;
+    if (!dmn_file_begin(&file, path, mode, true, out_error)) return false;
     for (; (count = pread(drawn, bytes, sizeof(bytes), at)) > 0; at += count)
         fwrite(bytes, 1, (size_t)count, file.file);
     return dmn_file_end(&file, out_error);
 }
 
-bool dmn_chart_end(struct dmn_chart *chart, const char *path, char out_error[DMN_FILE_ERROR_SIZE])
+bool dmn_chart_end(struct dmn_chart *chart, const char *path, mode_t mode,
+                   char out_error[DMN_FILE_ERROR_SIZE])
 {
     int status = pclose(chart->commands);
     bool good = false;
@@ -56,7 +57,7 @@ bool dmn_chart_end(struct dmn_chart *chart, const char *path, char out_error[DMN
     else if (status || !is_whole(chart->drawn, path))
         snprintf(out_error, DMN_FILE_ERROR_SIZE, "%.300s: gnuplot could not draw it", path);
     else
-        good = copy(chart->drawn, path, out_error);
+        good = copy(chart->drawn, path, mode, out_error);
     close(chart->drawn);
     return good;
 }

@@ -12,8 +12,10 @@ struct dmn_chart {
 /* False with a line in out_error, and nothing to end, on failure. */
 bool dmn_chart_begin(struct dmn_chart *chart, char out_error[DMN_FILE_ERROR_SIZE]);
 
-/* Write the chart to a path that ends in .svg or .png, as the terminal that the commands have set. False with
- * a line in out_error: gnuplot is missing or failed, or the file could not be written. */
-bool dmn_chart_end(struct dmn_chart *chart, const char *path, char out_error[DMN_FILE_ERROR_SIZE]);
+/* Write the chart to a path that ends in .svg or .png, as the terminal that the commands have set, as a file
+ * of that mode. False with a line in out_error: gnuplot is missing or failed, or the file could not be
+ * written. */
+bool dmn_chart_end(struct dmn_chart *chart, const char *path, mode_t mode,
+                   char out_error[DMN_FILE_ERROR_SIZE]);
 
 #endif

@@ -10,12 +10,12 @@ static bool end(struct dmn_file *file, bool good, char out_error[RND_ERROR_SIZE]
     return false;
 }
 
-bool dmn_image_write(const char *path, int width, int height, const float *rgb, bool equirectangular,
-                     char out_error[RND_ERROR_SIZE])
+bool dmn_image_write(const char *path, mode_t mode, int width, int height, const float *rgb,
+                     bool equirectangular, char out_error[RND_ERROR_SIZE])
 {
     struct dmn_file file;
 
-    return dmn_file_begin(&file, path, 0666, true, out_error) &&
+    return dmn_file_begin(&file, path, mode, true, out_error) &&
            end(&file, rnd_image_write(file.file, path, width, height, rgb, equirectangular, out_error),
                out_error);
 }

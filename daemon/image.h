@@ -4,9 +4,9 @@
 
 #include "daemon.h"
 
-/* As rnd_image_write(), to a path; a file that is there is replaced. */
-bool dmn_image_write(const char *path, int width, int height, const float *rgb, bool equirectangular,
-                     char out_error[RND_ERROR_SIZE]);
+/* As rnd_image_write(), to a path, as a file of that mode; one that is there is replaced. */
+bool dmn_image_write(const char *path, mode_t mode, int width, int height, const float *rgb,
+                     bool equirectangular, char out_error[RND_ERROR_SIZE]);
 
 /* As rnd_render_save(). */
 bool dmn_image_save(struct rnd_render *render, const char *path, char out_error[RND_ERROR_SIZE]);

@@ -55,7 +55,7 @@ bool dmn_state_save(const float rotation[4], char out_error[TRK_ERROR_SIZE])
         return false;
     }
     make_folders(path);
-    if (!dmn_file_begin(&file, path, 0666, true, out_error)) return false;
+    if (!dmn_file_begin(&file, path, 0600, true, out_error)) return false;
     trk_recentre_print(rotation, file.file);
     return dmn_file_end(&file, out_error);
 }

@@ -63,7 +63,8 @@ static bool write_map(const struct comparison *c)
 
     if (!rgb) return ctl_fail("out of memory");
     for (size_t i = 0; i < pixels; i++) ctl_colour(CTL_MAGMA, c->errors[i], &rgb[3 * i]);
-    good = dmn_image_write(c->ctl->map, c->width, c->height, rgb, false, error) || ctl_fail("%s", error);
+    good =
+        dmn_image_write(c->ctl->map, 0666, c->width, c->height, rgb, false, error) || ctl_fail("%s", error);
     free(rgb);
     return good;
 }

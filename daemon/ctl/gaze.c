@@ -252,7 +252,7 @@ bool ctl_ends_with(const char *text, const char *end)
     return length > tail && strcmp(text + length - tail, end) == 0;
 }
 
-/* A place for a log that was read from somewhere else. */
+/* A place for a log that was read from somewhere else, for its owner alone to read. */
 static bool begin(struct dmn_file *file, const char *path, const struct trk_log *log, bool replace)
 {
     char error[DMN_FILE_ERROR_SIZE];
@@ -260,7 +260,7 @@ static bool begin(struct dmn_file *file, const char *path, const struct trk_log 
     if (trk_log_is_from(log, path))
         return ctl_fail("%s: is the log itself, or a file that it was read with; expected another name",
                         path);
-    return dmn_file_begin(file, path, 0666, replace, error) || ctl_fail("%s", error);
+    return dmn_file_begin(file, path, 0600, replace, error) || ctl_fail("%s", error);
 }
 
 static bool end(struct dmn_file *file)

@@ -218,7 +218,7 @@ static bool draw(const char *path, const char *out_path, const struct trk_log *l
     put_path(out, "pursuit", log, rate, events, TRK_PURSUIT);
     put_path(out, "saccade", log, rate, events, TRK_SACCADE);
     put_charts(out, path, log);
-    return dmn_chart_end(&chart, out_path, error) || ctl_fail("%s", error);
+    return dmn_chart_end(&chart, out_path, 0600, error) || ctl_fail("%s", error);
 }
 
 int ctl_gaze_plot(const struct ctl *ctl)

@@ -126,7 +126,8 @@ static bool draw(const struct ctl *ctl, float *counts, int width, int height, co
     }
     for (size_t i = 0; i < pixels; i++) ctl_colour(CTL_INFERNO, log1pf(counts[i]) * scale, &map.rgb[3 * i]);
     if (log) draw_path(&map, log);
-    good = dmn_image_write(ctl->operand[1], map.width, map.height, map.rgb, true, error) ||
+    /* Where somebody looked is theirs alone, as a log of it is. */
+    good = dmn_image_write(ctl->operand[1], 0600, map.width, map.height, map.rgb, true, error) ||
            ctl_fail("%s", error);
     if (good)
         dmn_print(stdout, "%s: %dx%d, from no path a pixel (black) to %.4g (bright), log scale\n", ctl->operand[1],

@@ -144,7 +144,7 @@ static bool write_panorama(const struct snapshot *snapshot, const float *rgb)
     const Fovea__Welcome *film = pro_welcome(snapshot->client);
     char error[RND_ERROR_SIZE];
 
-    return dmn_image_write(snapshot->ctl->operand[0], (int)film->width, (int)film->height, rgb, true,
+    return dmn_image_write(snapshot->ctl->operand[0], 0666, (int)film->width, (int)film->height, rgb, true,
                            error) ||
            ctl_fail("%s", error);
 }
@@ -163,7 +163,7 @@ static bool write_view(const struct snapshot *snapshot, const float *rgb, const 
     good = (pixels && rnd_image_view(rgb, (int)film->width, (int)film->height, orientation,
                                      (float)(view[2] * M_PI / 180), ctl->width, ctl->height, pixels)) ||
            ctl_fail("out of memory");
-    good = good && (dmn_image_write(ctl->operand[0], ctl->width, ctl->height, pixels, false, error) ||
+    good = good && (dmn_image_write(ctl->operand[0], 0666, ctl->width, ctl->height, pixels, false, error) ||
                     ctl_fail("%s", error));
     free(pixels);
     return good;

@@ -289,7 +289,7 @@ static bool plot(const struct setup *setup, const struct way *ways, int count)
             fprintf(gnuplot, "%g %g\n", ways[i].time[k], ways[i].error[k]);
         fprintf(gnuplot, "e\n");
     }
-    return dmn_chart_end(&chart, setup->plot, error) || bench_fail(error);
+    return dmn_chart_end(&chart, setup->plot, 0666, error) || bench_fail(error);
 }
 
 int bench_converge(int count, char **arguments)

@@ -399,7 +399,7 @@ static bool plot(const struct setup *setup, const struct result *result)
         }
     }
     fputs("unset multiplot\n", gnuplot);
-    return dmn_chart_end(&chart, setup->plot, error) || bench_fail(error);
+    return dmn_chart_end(&chart, setup->plot, 0666, error) || bench_fail(error);
 }
 
 int bench_foveation(int count, char **arguments)

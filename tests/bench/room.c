@@ -191,7 +191,7 @@ static bool write_images(const char *directory, char *out_error)
         for (int x = 0; x < 64; x++)
             for (int i = 0; i < 3; i++)
                 sky[y][x][i] = 1 + 0.2f * sinf((float)x * 2 * (float)M_PI / 64) + 0.1f * (float)i;
-    return dmn_image_write(path_of(directory, "sky.exr"), 64, 32, sky[0][0], true, out_error);
+    return dmn_image_write(path_of(directory, "sky.exr"), 0666, 64, 32, sky[0][0], true, out_error);
 }
 
 bool room_prepare(const char *directory, char out_error[RND_ERROR_SIZE])

@@ -24,7 +24,7 @@ int main(int argc, char **argv)
 
                 rgb[kept++] = light / (1 + light);
             }
-    if (!dmn_image_write(argv[2], width / 2, height / 2, rgb, false, error))
+    if (!dmn_image_write(argv[2], 0666, width / 2, height / 2, rgb, false, error))
         return fprintf(stderr, "%s\n", error), 1;
     free(rgb);
     return 0;

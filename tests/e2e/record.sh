@@ -82,3 +82,35 @@ grep -q "line 32 was cut off" replay.json || fail "a torn recording is replayed 
 # So is what a log does not say of itself.
 "$fovead" $small --gaze "replay:$source/tests/fuzz/corpus/log/gazepoint.csv" --clock virtual >replay.out
 grep -q "assumed: screen of 16:9 43.6 degrees wide" replay.out || fail "$(cat replay.out)"
+
+# Where somebody looked can be read by this user alone, whoever writes it, whatever the umask, and also where a file was
+# that others could read.
+umask 0
+private() { # COMMAND... FILE: makes the file, twice
+    for file; do :; done
+    for turn in 1 2; do
+        [ "$turn" = 1 ] || chmod 0644 "$file"
+        "$@" >private.out 2>&1 || fail "$*: $(cat private.out)"
+        [ "$(stat -c %a "$file")" = 600 ] || fail "$*: the mode of $file is $(stat -c %a "$file")"
+    done
+}
+record_log() { "$fovead" $small --gaze replay:short.gaze --clock virtual --replace --record "$1"; }
+convert() { "$foveactl" gaze convert --replace short.gaze "$1"; }
+sidecar() { convert "${1%.json}.tsv.gz"; }
+plot() { "$foveactl" gaze plot short.gaze "$1"; }
+samples() { "$foveactl" samples b.exr "$1" --gaze short.gaze; }
+density() { "$foveactl" samples b.exr "$1"; }
+private record_log mine.gaze
+private convert again.gaze
+private convert again_physio.tsv.gz
+private sidecar again_physio.json
+private samples samples.png
+private density density.png
+if command -v gnuplot >/dev/null; then private plot plot.svg; else echo 'no gnuplot: its chart is left out'; fi
+start $small --gaze synthetic:2
+by_client() { "$foveactl" record --replace --for 0.1 "$1"; }
+private by_client client.gaze
+stop
+# Others may still see what pictures a user makes for them.
+"$fovead" $small --gaze replay:short.gaze --clock virtual --save shared.exr >private.out 2>&1
+[ "$(stat -c %a shared.exr)" = 666 ] || fail "the mode of a picture is $(stat -c %a shared.exr)"
