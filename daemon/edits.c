@@ -39,6 +39,7 @@ struct dmn_edits {
     int watch, env_watch; /* of the two folders; -1: gone */
     pthread_t thread;
     bool started;
+    atomic_bool cancelled; /* the scene that is being read is not wanted any more */
 
     /* What has changed since the last time. */
     bool dirty;                          /* the scene, certainly */
@@ -275,7 +276,9 @@ static void take_up(struct dmn_edits *edits)
         files.has_eye = true;
         memcpy(files.eye, eye, sizeof(files.eye));
     }
+    files.cancel = &edits->cancelled;
     scene = rnd_scene_load(&files, error);
+    if (!scene && atomic_load(&edits->cancelled)) return;
     if (!scene) {
         dmn_print(stderr, "fovead: the edit is not taken, the picture stays: %s\n", error);
         tell(edits, NULL, error);
@@ -366,6 +369,7 @@ void dmn_edits_stop(struct dmn_edits *edits)
     pthread_mutex_lock(&edits->lock);
     edits->stopped = true;
     pthread_mutex_unlock(&edits->lock);
+    atomic_store(&edits->cancelled, true);
     eventfd_write(edits->stop, 1);
 }
 

@@ -35,8 +35,8 @@ struct dmn_edits *dmn_edits_create(const struct rnd_scene_options *options, char
 bool dmn_edits_start(struct dmn_edits *edits, const struct dmn_edits_options *options);
 /* Any thread: the words, if they are new. */
 void dmn_edits_words(struct dmn_edits *edits, struct dmn_scene_words *words);
-/* Take up no more, and wake nobody any more; a scene that is being read is read to its end, which this does
- * not wait for. Accepts NULL. */
+/* Take up no more, and wake nobody any more; a scene that is being read is let go, which this does not wait for.
+ * Accepts NULL. */
 void dmn_edits_stop(struct dmn_edits *edits);
 /* Accepts NULL; stops, and waits. The painter must have stopped, and still be there. */
 void dmn_edits_destroy(struct dmn_edits *edits);

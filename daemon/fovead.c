@@ -52,6 +52,7 @@ static void on_signal(int number)
 
 struct daemon {
     struct dmn_options options;
+    struct rnd_readers *readers;
     struct rnd_scene *scene;
     struct dmn_common common;
     struct dmn_listener listener[DMN_MAX_LISTEN];
@@ -83,7 +84,7 @@ static bool load(struct daemon *daemon)
 {
     struct dmn_options *options = &daemon->options;
     struct dmn_common *common = &daemon->common;
-    struct rnd_scene_options scene = options->scene;
+    struct rnd_scene_options scene;
     char error[RND_ERROR_SIZE];
     cpu_set_t processors;
 
@@ -93,6 +94,9 @@ static bool load(struct daemon *daemon)
     /* Better now than after a night of rendering. */
     if (options->save && !dmn_file_check(options->save, true, error)) return fail(error);
     common->options = options;
+    options->scene.readers = daemon->readers = rnd_readers_create();
+    if (!daemon->readers) return fail("out of memory");
+    scene = options->scene;
     common->gaze = dmn_gaze_open(options, error);
     if (!common->gaze) return fail(error);
     if (options->watch && !(common->edits = dmn_edits_create(&options->scene, error))) return fail(error);
@@ -295,5 +299,6 @@ int main(int argc, char **argv)
     dmn_pyramid_finish(&daemon.common.pyramid);
     rnd_render_destroy(daemon.common.render);
     rnd_scene_destroy(daemon.scene);
+    rnd_readers_destroy(daemon.readers);
     return good ? 0 : 1;
 }

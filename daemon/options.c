@@ -29,6 +29,10 @@ static const char HELP[] =
     "scene\n"
     "                          names in its folder or the folders in that; if it cannot be read, the picture "
     "stays\n"
+    "  --reader-memory MIB     that the program which reads a file for fovead may take, 64 or more; 4096, or half of what\n"
+    "                          the machine has if that is less\n"
+    "  --reader-time S         seconds of processor time for a file, and ten times as many on the clock; 20, and one more\n"
+    "                          for every 2 MiB of the file. A file that takes more, or crashes its reader, is refused\n"
     "  --size WxH | W          film in pixels; W a multiple of 128, up to 32768, H half of it; 4096x2048\n"
     "  --bounces N             longest path; 0, the default: Russian roulette alone ends a path\n"
     "  --clamp L               clamp light that comes by way of a second surface to this luminance: fewer bright specks, and\n"
@@ -227,6 +231,7 @@ static const struct option LONG[] = {
     {"listen", required_argument, NULL, 'l'}, {"until", required_argument, NULL, 'n'},
     {"save", required_argument, NULL, 'a'},   {"json", no_argument, NULL, 'j'},
     {"clock", required_argument, NULL, 'c'},  {"help", no_argument, NULL, 'h'},
+    {"reader-memory", required_argument, NULL, 'M'}, {"reader-time", required_argument, NULL, 'E'},
     {"version", no_argument, NULL, 'v'},      {"watch", no_argument, NULL, 'w'},
     {0},
 };
@@ -272,6 +277,12 @@ static bool take(struct parser *p, int option, const char *text)
         break;
     case 'b':
         good = take_whole("bounces", text, 0, 1024, &whole), out->render.max_bounces = (int)whole;
+        break;
+    case 'M':
+        good = take_whole("reader-memory", text, 64, 1 << 24, &whole), out->scene.reader_mib = (uint32_t)whole;
+        break;
+    case 'E':
+        good = take_whole("reader-time", text, 1, 1 << 20, &whole), out->scene.reader_seconds = (uint32_t)whole;
         break;
     case 'd':
         return take_whole("seed", text, 0, UINT64_MAX, &out->render.seed);

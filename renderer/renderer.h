@@ -35,6 +35,12 @@ enum {
 
 struct rnd_scene;
 
+/* Files are read by programs that lie beside this one, fovead-reader and fovead-image-reader: a file that crashes
+ * them, or has them take too much, is refused and takes nothing else with it. The second one takes a while to
+ * start, and may serve many scenes. NULL if memory is short. */
+struct rnd_readers *rnd_readers_create(void);
+void rnd_readers_destroy(struct rnd_readers *readers); /* accepts NULL; after the scenes that have it */
+
 struct rnd_scene_options {
     const char *path;     /* glTF, GLB, OBJ, or what else assimp reads */
     const char *env_path; /* equirectangular environment map, or NULL */
@@ -49,6 +55,12 @@ struct rnd_scene_options {
      * what the glass lets through; paths do not find them behind it by chance. Far less noise, but no
      * caustics, and sharp shadows behind rough glass. Off: unbiased. */
     bool clear_glass;
+    /* Of the programs that read files for this one: MiB of memory and seconds of processor time that one may take
+     * for a file; 0: as reader_limits.c says. */
+    uint32_t reader_mib, reader_seconds;
+    /* Who reads pictures, ready from scenes before; it must outlive the scene. NULL: a new one, the scene's. */
+    struct rnd_readers *readers;
+    const atomic_bool *cancel; /* set by any thread as soon as the scene is not wanted any more; or NULL */
     bool has_eye;
     double eye[3]; /* m; without it the first camera of the file, else the middle of the scene's bounds */
 };

@@ -57,6 +57,14 @@ static bool has_medium(const struct rnd_scene *scene, uint32_t mesh)
     return scene->material[scene->mesh[mesh].material].medium != 0;
 }
 
+/* Asked by Embree now and then: is the tree still wanted? */
+static bool goes_on(void *argument, double share)
+{
+    const struct rnd_scene *scene = argument;
+    (void)share;
+    return !atomic_load(scene->cancel);
+}
+
 bool rnd_accel_build(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE])
 {
     scene->device = rtcNewDevice(NULL);
@@ -72,6 +80,7 @@ bool rnd_accel_build(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE])
         return false;
     }
     scene->tree = rtcNewScene(scene->device);
+    if (scene->cancel) rtcSetSceneProgressMonitorFunction(scene->tree, goes_on, scene);
     for (uint32_t i = 0; i < scene->material_count; i++) scene->one_sided |= scene->material[i].one_sided;
     if (scene->one_sided) rtcSetSceneFlags(scene->tree, RND_SCENE_QUERY_FILTER);
     if (scene->info.triangles <= SPLIT_TRIANGLES)

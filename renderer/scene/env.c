@@ -1,6 +1,6 @@
 /* The environment map: read, weighed, and made into a table to draw from. */
 #include "large_pages.h"
-#include "scene/image_io.h"
+#include "scene/image_reader.h"
 #include "scene/scene.h"
 
 #include <stdio.h>
@@ -27,31 +27,58 @@ static float weight_of(const struct rnd_env *env, int x, int y)
 #define INFINITE_RADIANCE 65504.0f
 #define MOST_RADIANCE     1e30f
 
-/* Take the radiance of every texel. What no radiance can be is clamped, with a warning that names the first.
- */
-static void take(struct rnd_scene *scene, const char *path, const struct rnd_pixels *pixels)
+/* A picture that becomes an environment map. */
+struct filling {
+    struct rnd_pixels_sink sink; /* first */
+    struct rnd_env *env;
+    size_t channels;
+    size_t bad, first; /* texels that are no radiance, and the first of them */
+    float what;        /* is there */
+};
+
+static bool begin(struct rnd_pixels_sink *sink, const struct rnd_picture *picture)
 {
-    struct rnd_env *env = scene->lights.env;
-    const size_t count = (size_t)env->width * env->height, n = pixels->channels;
-    size_t bad = 0, first = 0;
-    float what = 0.0f;
+    struct filling *filling = (struct filling *)(void *)sink;
+    struct rnd_env *env = filling->env;
+    const size_t bytes =
+        ((size_t)picture->width * (size_t)picture->height * sizeof *env->texel + 63) & ~(size_t)63;
+    filling->channels = (size_t)picture->channels;
+    env->width = picture->width;
+    env->height = picture->height;
+    env->texel = aligned_alloc(64, bytes);
+    rnd_use_large_pages(env->texel, bytes);
+    return env->texel;
+}
+
+/* Take the radiance of texels. What no radiance can be is clamped. */
+static bool take_rows(struct rnd_pixels_sink *sink, int first_row, int rows, const void *pixels)
+{
+    struct filling *filling = (struct filling *)(void *)sink;
+    struct rnd_env *env = filling->env;
+    const size_t before = (size_t)first_row * (size_t)env->width, count = (size_t)rows * (size_t)env->width,
+                 n = filling->channels;
     for (size_t i = 0; i < count; i++) {
         bool good = true;
         for (size_t c = 0; c < 3; c++) {
-            const float value = pixels->floats[n * i + (n >= 3 ? c : 0)];
+            const float value = ((const float *)pixels)[n * i + (n >= 3 ? c : 0)];
             const bool fits = value >= 0.0f && value <= MOST_RADIANCE;
-            if (good && !fits && bad == 0) first = i, what = value;
+            if (good && !fits && filling->bad == 0) filling->first = before + i, filling->what = value;
             good = good && fits;
-            env->texel[i][c] = fits ? value : value > MOST_RADIANCE ? INFINITE_RADIANCE : 0.0f;
+            env->texel[before + i][c] = fits ? value : value > MOST_RADIANCE ? INFINITE_RADIANCE : 0.0f;
         }
-        bad += !good;
+        filling->bad += !good;
     }
-    if (bad > 0)
-        rnd_warn(
-            &scene->warnings,
-            "%.200s: the pixel at x %zu, y %zu is %g, which is no radiance; pixels clamped to 0 to %g: %zu",
-            path, first % (size_t)env->width, first / (size_t)env->width, (double)what,
-            (double)INFINITE_RADIANCE, bad);
+    return true;
+}
+
+static void warn_of_clamped(struct rnd_scene *scene, const char *path, const struct filling *filling)
+{
+    const size_t width = (size_t)filling->env->width;
+    if (filling->bad == 0) return;
+    rnd_warn(&scene->warnings,
+             "%.200s: the pixel at x %zu, y %zu is %g, which is no radiance; pixels clamped to 0 to %g: %zu",
+             path, filling->first % width, filling->first / width, (double)filling->what,
+             (double)INFINITE_RADIANCE, filling->bad);
 }
 
 static uint32_t region_of(const struct rnd_env *env, int x, int y)
@@ -136,28 +163,27 @@ bool rnd_env_choose(const struct rnd_env *env, const float probability[RND_ENV_R
 bool rnd_env_load(struct rnd_scene *scene, const char *path, float azimuth_deg,
                   char out_error[RND_ERROR_SIZE])
 {
-    struct rnd_env *env = calloc(1, sizeof *env);
-    struct rnd_pixels pixels = {0};
+    struct rnd_env *env = scene->lights.env = calloc(1, sizeof *env);
+    struct filling filling = {.sink = {begin, take_rows}, .env = env};
     char text[RND_ERROR_SIZE / 2] = "not enough memory";
     bool ok = false, black = false;
-    if (!(scene->lights.env = env)) goto end;
-    if (!rnd_pixels_read(path, NULL, 0, RND_PIXELS_COLOUR, false, &pixels, text, sizeof text)) {
-        snprintf(out_error, RND_ERROR_SIZE, "%.200s: not a readable environment map: %s", path, text);
+    if (env) {
+        struct rnd_image_reader reader = rnd_scene_reader(scene);
+        env->turn = -azimuth_deg / 360.0f;
+        ok = rnd_image_read_apart(&reader, path, NULL, 0, RND_PIXELS_COLOUR, false, &filling.sink, text,
+                                  sizeof text);
+        rnd_image_reader_finish(&reader);
+    }
+    if (!ok) {
+        snprintf(out_error, RND_ERROR_SIZE, "%.200s: %s%s", path,
+                 strncmp(text, "the reader", 10) == 0 ? "" : "not a readable environment map: ", text);
         return false;
     }
-    env->width = pixels.width;
-    env->height = pixels.height;
-    env->turn = -azimuth_deg / 360.0f;
-    const size_t bytes = ((size_t)env->width * env->height * sizeof *env->texel + 63) & ~(size_t)63;
-    env->texel = aligned_alloc(64, bytes);
-    if (!env->texel) goto end;
-    rnd_use_large_pages(env->texel, bytes);
-    take(scene, path, &pixels);
+    warn_of_clamped(scene, path, &filling);
     ok = make_tables(env, &black) && !black;
-    if (black) snprintf(text, sizeof text, "the environment map is black");
-end:
-    rnd_pixels_finish(&pixels);
-    if (!ok) snprintf(out_error, RND_ERROR_SIZE, "%.200s: %s", path, text);
+    if (!ok)
+        snprintf(out_error, RND_ERROR_SIZE, "%.200s: %s", path,
+                 black ? "the environment map is black" : "not enough memory");
     return ok;
 }
 

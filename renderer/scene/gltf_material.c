@@ -210,7 +210,8 @@ static void read_volume(struct reader *r, const json_t *json)
 static void read_specular_glossiness(struct reader *r, const json_t *json)
 {
     struct rnd_material *to = r->to;
-    float diffuse[4] = {1, 1, 1, 1}, gloss = number(r, json, "glossinessFactor", 1.0f, 0.0, 1.0);
+    float diffuse[4] = {1, 1, 1, 1};
+    const float gloss = number(r, json, "glossinessFactor", 1.0f, 0.0, 1.0);
     vec3s specular = glms_vec3_one();
     numbers(r, json, "diffuseFactor", 4, 0.0, 1.0, diffuse);
     numbers(r, json, "specularFactor", 3, 0.0, 1.0, specular.raw);
@@ -221,13 +222,7 @@ static void read_specular_glossiness(struct reader *r, const json_t *json)
     to->metallic = 0.0f;
     rnd_material_set_f0(to, specular);
     const int texture = to->map[RND_MAP_SPECULAR_COLOUR].texture;
-    if (texture >= 0) { /* of the glossiness only the mean is taken: the texel of the coarsest mipmap */
-        struct rnd_texture *t = &r->scene->texture[texture];
-        if (t->levels > 0 || rnd_texture_load(t)) {
-            gloss *= rnd_texture_texel(t, t->level[t->levels - 1].first).a;
-            rnd_scene_unsupported(r->scene, "glossiness maps (their mean is taken)");
-        }
-    }
+    to->glossiness_mapped = texture >= 0;
     to->roughness = 1.0f - gloss;
 }
 

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <memory>
 
 namespace
 {
@@ -36,45 +37,89 @@ float gamma_of(const OIIO::ImageSpec &spec, rnd_pixels_use use)
 }
 
 // All channels but alpha to linear light.
-void decode(rnd_pixels &pixels, int alpha, float gamma)
+void decode(float *values, size_t count, int channels, int alpha, float gamma)
 {
-    const size_t count = (size_t)pixels.width * pixels.height;
     for (size_t i = 0; i < count; i++)
-        for (int c = 0; c < pixels.channels; c++) {
-            float &value = pixels.floats[i * pixels.channels + c];
+        for (int c = 0; c < channels; c++) {
+            float &value = values[i * channels + c];
             if (c != alpha) value = gamma == 0.0f ? rnd_srgb_to_linear(value) : powf(value, gamma);
         }
 }
 
-bool read(OIIO::ImageInput &in, rnd_pixels_use use, bool want_bytes, rnd_pixels &out, char *out_error,
+// Rows that are read at a time: a few MiB of them, and whole tiles if the file has these.
+int strip_of(const OIIO::ImageSpec &spec, size_t row)
+{
+    const int unit = spec.tile_height > 0 ? spec.tile_height : 64;
+    const size_t rows = ((size_t)8 << 20) / row / unit * unit;
+    return (int)std::min((size_t)spec.height, std::max(rows, (size_t)unit));
+}
+
+bool read(OIIO::ImageInput &in, rnd_pixels_use use, bool want_bytes, rnd_pixels_sink &sink, char *out_error,
           size_t error_size)
 {
     const OIIO::ImageSpec &spec = in.spec();
     if (spec.depth > 1) return fail(out_error, error_size, "a volume, not a picture");
     if (spec.width <= 0 || spec.height <= 0 || (int64_t)spec.width * spec.height > RND_MAX_PIXELS)
         return fail(out_error, error_size, "image size out of range");
-    out.width = spec.width;
-    out.height = spec.height;
-    out.channels = spec.nchannels < RND_MAX_CHANNELS ? spec.nchannels : RND_MAX_CHANNELS;
-    for (int c = 0; c < out.channels; c++)
-        snprintf(out.channel_names[c], sizeof out.channel_names[c], "%s",
+    rnd_picture picture = {};
+    picture.width = spec.width;
+    picture.height = spec.height;
+    picture.channels = spec.nchannels < RND_MAX_CHANNELS ? spec.nchannels : RND_MAX_CHANNELS;
+    for (int c = 0; c < picture.channels; c++)
+        snprintf(picture.channel_names[c], sizeof picture.channel_names[c], "%s",
                  std::string(spec.channel_name(c)).c_str());
 
     const float gamma = gamma_of(spec, use);
-    const bool as_bytes = use == RND_PIXELS_DATA || gamma == 0.0f,
-               bytes = want_bytes && as_bytes && spec.format == OIIO::TypeDesc::UINT8;
-    out.display = gamma != 1.0f;
-    void *data = calloc((size_t)out.width * out.height * out.channels, bytes ? 1 : sizeof(float));
-    if (!data) return fail(out_error, error_size, "not enough memory");
-    if (bytes)
-        out.bytes = (uint8_t *)data;
-    else
-        out.floats = (float *)data;
-    if (!in.read_image(0, 0, 0, out.channels, bytes ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::FLOAT, data)) {
-        rnd_pixels_finish(&out);
-        return fail(out_error, error_size, in.geterror());
+    const bool as_bytes = use == RND_PIXELS_DATA || gamma == 0.0f;
+    picture.bytes = want_bytes && as_bytes && spec.format == OIIO::TypeDesc::UINT8;
+    picture.display = gamma != 1.0f;
+    const size_t row = (size_t)picture.width * picture.channels * (picture.bytes ? 1 : sizeof(float));
+    const int strip = strip_of(spec, row), n = picture.channels;
+    const OIIO::TypeDesc type = picture.bytes ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::FLOAT;
+    std::unique_ptr<char, decltype(&free)> data((char *)malloc(strip * row), free);
+    if (!data || !sink.begin(&sink, &picture)) return fail(out_error, error_size, "not enough memory");
+    for (int y = 0; y < spec.height; y += strip) {
+        const int rows = std::min(strip, spec.height - y), first = spec.y + y;
+        const bool ok = spec.tile_width > 0
+                            ? in.read_tiles(0, 0, spec.x, spec.x + spec.width, first, first + rows, spec.z,
+                                            spec.z + 1, 0, n, type, data.get())
+                            : in.read_scanlines(0, 0, first, first + rows, spec.z, 0, n, type, data.get());
+        if (!ok) return fail(out_error, error_size, in.geterror());
+        if (!picture.bytes && gamma != 1.0f)
+            decode((float *)data.get(), (size_t)rows * picture.width, n, spec.alpha_channel, gamma);
+        if (!sink.rows(&sink, y, rows, data.get())) return fail(out_error, error_size, "not enough memory");
     }
-    if (!bytes && gamma != 1.0f) decode(out, spec.alpha_channel, gamma);
+    return true;
+}
+
+// A sink that keeps all of it.
+struct Keeper {
+    rnd_pixels_sink sink; // first
+    rnd_pixels *pixels;
+    size_t row;
+};
+
+bool keep_begin(rnd_pixels_sink *sink, const rnd_picture *picture)
+{
+    Keeper &keeper = *(Keeper *)sink;
+    rnd_pixels &out = *keeper.pixels;
+    out.width = picture->width;
+    out.height = picture->height;
+    out.channels = picture->channels;
+    out.display = picture->display;
+    memcpy(out.channel_names, picture->channel_names, sizeof out.channel_names);
+    keeper.row = (size_t)out.width * out.channels * (picture->bytes ? 1 : sizeof(float));
+    void *data = malloc(keeper.row * out.height);
+    (picture->bytes ? (void *&)out.bytes : (void *&)out.floats) = data;
+    return data;
+}
+
+bool keep_rows(rnd_pixels_sink *sink, int first, int count, const void *pixels)
+{
+    Keeper &keeper = *(Keeper *)sink;
+    rnd_pixels &out = *keeper.pixels;
+    char *data = out.bytes ? (char *)out.bytes : (char *)out.floats;
+    memcpy(data + first * keeper.row, pixels, count * keeper.row);
     return true;
 }
 
@@ -120,10 +165,9 @@ class Sink : public OIIO::Filesystem::IOProxy
 
 } // namespace
 
-extern "C" bool rnd_pixels_read(const char *path, const void *memory, size_t count, rnd_pixels_use use,
-                                bool want_bytes, rnd_pixels *out_pixels, char *out_error, size_t error_size)
+extern "C" bool rnd_pixels_stream(const char *path, const void *memory, size_t count, rnd_pixels_use use,
+                                  bool want_bytes, rnd_pixels_sink *sink, char *out_error, size_t error_size)
 {
-    *out_pixels = rnd_pixels();
     const char *why = memory ? nullptr : rnd_why_closed(path);
     if (why) return fail(out_error, error_size, why);
     try {
@@ -135,13 +179,23 @@ extern "C" bool rnd_pixels_read(const char *path, const void *memory, size_t cou
         if (memory) config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
         auto in = OIIO::ImageInput::open(path, &config);
         if (!in) return fail(out_error, error_size, OIIO::geterror());
-        const bool ok = read(*in, use, want_bytes, *out_pixels, out_error, error_size);
+        const bool ok = read(*in, use, want_bytes, *sink, out_error, error_size);
         in->close();
         return ok;
     } catch (const std::exception &e) {
-        rnd_pixels_finish(out_pixels);
         return fail(out_error, error_size, e.what());
     }
+}
+
+extern "C" bool rnd_pixels_read(const char *path, const void *memory, size_t count, rnd_pixels_use use,
+                                bool want_bytes, rnd_pixels *out_pixels, char *out_error, size_t error_size)
+{
+    Keeper keeper = {{keep_begin, keep_rows}, out_pixels, 0};
+    *out_pixels = rnd_pixels();
+    if (rnd_pixels_stream(path, memory, count, use, want_bytes, &keeper.sink, out_error, error_size))
+        return true;
+    rnd_pixels_finish(out_pixels);
+    return false;
 }
 
 extern "C" void rnd_pixels_finish(rnd_pixels *pixels)

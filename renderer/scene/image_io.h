@@ -30,8 +30,25 @@ struct rnd_pixels {
     char channel_names[RND_MAX_CHANNELS][32];
 };
 
-/* Read the first part of an image file, or of count bytes in memory named path. At most RND_MAX_CHANNELS
- * channels. Error text is one line without the path. */
+/* A picture whose rows are to come. */
+struct rnd_picture {
+    int width, height, channels;
+    bool display, bytes; /* as of struct rnd_pixels; rows are bytes, else floats */
+    char channel_names[RND_MAX_CHANNELS][32];
+};
+
+/* Who takes a picture. Either says false if memory is short. */
+struct rnd_pixels_sink {
+    bool (*begin)(struct rnd_pixels_sink *sink, const struct rnd_picture *picture);
+    /* count rows from the first on, in order; pixels are the caller's. */
+    bool (*rows)(struct rnd_pixels_sink *sink, int first, int count, const void *pixels);
+};
+
+/* Read the first part of an image file, or of count bytes in memory named path, some rows at a time. At most
+ * RND_MAX_CHANNELS channels. Error text is one line without the path. */
+bool rnd_pixels_stream(const char *path, const void *memory, size_t count, enum rnd_pixels_use use,
+                       bool want_bytes, struct rnd_pixels_sink *sink, char *out_error, size_t error_size);
+/* The same, all in memory. */
 bool rnd_pixels_read(const char *path, const void *memory, size_t count, enum rnd_pixels_use use,
                      bool want_bytes, struct rnd_pixels *out_pixels, char *out_error, size_t error_size);
 void rnd_pixels_finish(struct rnd_pixels *pixels);

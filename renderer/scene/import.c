@@ -1,6 +1,7 @@
 /* From a file's meshes and where they are to the meshes of the scene, in the world, and instances. */
 #include "scene/import.h"
 
+#include <float.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,6 +24,32 @@ bool rnd_import_fail(struct rnd_import *in, const char *format, ...)
     rnd_make_printable(in->error);
     for (size_t n = strlen(in->error); n > 0 && in->error[n - 1] == ' '; n--) in->error[n - 1] = 0;
     return false;
+}
+
+/* --- textures --- */
+
+int rnd_texture_add(struct rnd_scene *scene, const char *path, const void *memory, size_t count,
+                    enum rnd_pixels_use use, char out_error[RND_ERROR_SIZE])
+{
+    for (uint32_t i = 0; i < scene->texture_count; i++)
+        if (scene->texture[i].use == use && strcmp(scene->texture[i].path, path) == 0) return (int)i;
+
+    struct rnd_texture *grown = realloc(scene->texture, (scene->texture_count + 1) * sizeof *grown);
+    if (grown) scene->texture = grown;
+    struct rnd_texture texture = {.use = use, .path = strdup(path)};
+    void *file = memory ? malloc(count ? count : 1) : NULL;
+    if (file) {
+        texture.file = memcpy(file, memory, count);
+        texture.file_bytes = count;
+    }
+    if (!grown || !texture.path || (memory && !file)) {
+        snprintf(out_error, RND_ERROR_SIZE, "%.200s: not enough memory", path);
+        free(texture.path);
+        free(file);
+        return -1;
+    }
+    scene->texture[scene->texture_count] = texture;
+    return (int)scene->texture_count++;
 }
 
 /* --- shapes --- */
@@ -52,7 +79,8 @@ static void *grow(void *list, uint32_t count, size_t size)
     return count & (count - 1) ? list : realloc(list, (count ? 2 * (size_t)count : 1) * size);
 }
 
-/* Texture coordinates that have lost their texel become 0; colours are clamped to 0..1. */
+/* Texture coordinates that have lost their texel become 0; colours are clamped to 0..1; tangents have a side.
+ */
 static void clean_attributes(struct rnd_mesh *mesh)
 {
     const size_t n = mesh->vertices;
@@ -61,6 +89,8 @@ static void clean_attributes(struct rnd_mesh *mesh)
             if (!(fabsf(mesh->uv[set][i]) <= (float)MAX_COORDINATE)) mesh->uv[set][i] = 0.0f;
     for (size_t i = 0; mesh->colour && i < 4 * n; i++)
         mesh->colour[i] = mesh->colour[i] > 0.0f ? fminf(mesh->colour[i], 1.0f) : 0.0f;
+    for (size_t i = 0; mesh->tangent && i < n; i++)
+        mesh->tangent[4 * i + 3] = mesh->tangent[4 * i + 3] > 0.0f ? 1.0f : -1.0f;
 }
 
 bool rnd_import_shape(struct rnd_import *in, const struct rnd_mesh *mesh, const char *name)
@@ -321,6 +351,14 @@ static bool add_instance(struct rnd_import *in, struct rnd_shape *shape, const s
 
 /* --- places --- */
 
+/* Can an instance have that map? */
+static bool fits_floats(const struct rnd_affine *world, const float normals[9])
+{
+    for (int k = 0; k < 12; k++)
+        if (!isfinite((float)world->m[k]) || (k < 9 && !isfinite(normals[k]))) return false;
+    return true;
+}
+
 bool rnd_import_place(struct rnd_import *in, uint32_t shape_index, const struct rnd_affine *world)
 {
     struct rnd_shape *shape = &in->shape[shape_index];
@@ -334,7 +372,7 @@ bool rnd_import_place(struct rnd_import *in, uint32_t shape_index, const struct 
     }
     shape->places--;
     in->scene->info.triangles += shape->mesh.triangles;
-    if (shape->shared && rnd_affine_normals(world, normals))
+    if (shape->shared && rnd_affine_normals(world, normals) && fits_floats(world, normals))
         return (shape->stored || store(in, shape)) && add_instance(in, shape, world, normals);
     struct rnd_mesh *mesh = add_mesh(in, shape, !shape->stored && shape->places == 0);
     return mesh && move_mesh(in, mesh, shape->name, world);
@@ -347,6 +385,22 @@ void rnd_import_eye(struct rnd_import *in, const struct rnd_affine *world, const
     rnd_affine_apply(world, position, 1.0, p);
     memcpy(in->scene->info.eye, p, sizeof p);
     in->has_eye = in_range(p);
+}
+
+/* What is no intensity becomes 0, with a warning; what is no angle, all around. */
+static void clean_light(struct rnd_import *in, struct rnd_punctual *light)
+{
+    float *const intensity[3] = {&light->intensity.x, &light->intensity.y, &light->intensity.z},
+                 *const drop[2] = {&light->drop_inner, &light->drop_outer};
+    for (int c = 0; c < 3; c++) {
+        if (*intensity[c] >= 0.0f && *intensity[c] <= FLT_MAX) continue;
+        rnd_warn(&in->scene->warnings,
+                 "%.200s: the intensity of a light is %g, expected 0 or more; 0 is used", in->path,
+                 (double)*intensity[c]);
+        *intensity[c] = 0.0f;
+    }
+    for (int k = 0; k < 2; k++)
+        if (!(*drop[k] >= 0.0f && *drop[k] <= 2.0f)) *drop[k] = 2.0f;
 }
 
 bool rnd_import_light(struct rnd_import *in, struct rnd_punctual light, const struct rnd_affine *world)
@@ -365,6 +419,7 @@ bool rnd_import_light(struct rnd_import *in, struct rnd_punctual light, const st
     if (!in_range(p)) return rnd_import_fail(in, "a light is not finite or beyond %g m", MAX_COORDINATE);
     put_unit(d, unit);
     to_own(in, p);
+    clean_light(in, &light);
     light.position = rnd_v3((float)p[0], (float)p[1], (float)p[2]);
     light.direction = rnd_v3(unit[0], unit[1], unit[2]);
     lights->punctual[lights->punctual_count++] = light;

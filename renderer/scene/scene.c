@@ -1,10 +1,11 @@
 /* Loading a scene: the parts in order, and their end. */
+#include "scene/image_reader.h"
 #include "scene/scene.h"
 
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <pthread.h>
 #include <time.h>
 
@@ -15,94 +16,110 @@ static double seconds(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-void rnd_warn(struct rnd_warnings *warnings, const char *format, ...)
+struct rnd_image_reader rnd_scene_reader(const struct rnd_scene *scene)
 {
-    enum { MOST_LINES = 20 };
-    char line[2 * RND_ERROR_SIZE];
-    va_list arguments;
-    va_start(arguments, format);
-    const int wanted = vsnprintf(line, sizeof line - 1, format, arguments);
-    va_end(arguments);
-    if (wanted < 0 || warnings->lines > MOST_LINES) return;
-    rnd_make_printable(line);
-    if (warnings->lines == MOST_LINES) strcpy(line, "and more of the kind");
-    strcat(line, "\n");
-    if (warnings->text && strstr(warnings->text, line)) return;
-    const size_t length = strlen(line);
-    char *grown = realloc(warnings->text, warnings->size + length + 1);
-    if (!grown) return;
-    memcpy(grown + warnings->size, line, length + 1);
-    warnings->text = grown;
-    warnings->size += length;
-    warnings->lines++;
-}
-
-void rnd_scene_unsupported(struct rnd_scene *scene, const char *name)
-{
-    const size_t used = strlen(scene->unsupported);
-    if (strstr(scene->unsupported, name)) return;
-    if (used + strlen(name) + 3 > sizeof scene->unsupported) return;
-    snprintf(scene->unsupported + used, sizeof scene->unsupported - used, "%s%s", used ? ", " : "", name);
-    rnd_make_printable(scene->unsupported + used);
+    return (struct rnd_image_reader){.readers = scene->readers,
+                                     .limits = {scene->reader_mib, scene->reader_seconds},
+                                     .cancel = {&scene->cancelled, scene->cancel},
+                                     .socket = -1};
 }
 
 /* What can be done at the same time: reading textures is one thread's, all that needs triangles alone
- * another's. */
+ * another's, the environment map a third one's. */
 struct building {
     struct rnd_scene *scene;
+    const struct rnd_scene_options *options;
+    bool (*part)(struct building *b);
     bool ok;
     char error[RND_ERROR_SIZE];
 };
 
-static void *build_geometry(void *argument)
+static bool build_geometry(struct building *b)
 {
-    struct building *b = argument;
     if (rnd_materials_build(b->scene)) {
-        b->ok = rnd_accel_build(b->scene, b->error);
-        if (!b->ok || rnd_records_build(b->scene)) return NULL;
+        if (!rnd_accel_build(b->scene, b->error)) return false;
+        if (rnd_records_build(b->scene)) return true;
     }
-    b->ok = false;
     snprintf(b->error, sizeof b->error, "not enough memory for %llu triangles",
              (unsigned long long)b->scene->info.triangles);
+    return false;
+}
+
+static bool build_env(struct building *b)
+{
+    return !b->options->env_path ||
+           rnd_env_load(b->scene, b->options->env_path, b->options->env_azimuth, b->error);
+}
+
+static void *run(void *argument)
+{
+    struct building *b = argument;
+    b->ok = b->part(b);
     return NULL;
 }
 
-/* Coverage is asked for by the tree, and emission by the lights. */
+/* Begin a part in a thread of its own; if there is none to be had, all of it now. */
+static bool begin(struct building *b, pthread_t *out_thread)
+{
+    if (pthread_create(out_thread, NULL, run, b) == 0) return true;
+    run(b);
+    return false;
+}
+
+/* Coverage is asked for by the tree, and emission by the lights; roughness by what is made of rough glass. */
 static void mark_first_textures(struct rnd_scene *scene)
 {
     for (uint32_t i = 0; i < scene->material_count; i++) {
         const struct rnd_material *m = &scene->material[i];
         const bool covers = m->alpha_mode != RND_OPAQUE, emits = rnd_luminance(m->emission.raw) > 0.0f;
-        const int map[3] = {covers ? m->map[RND_MAP_BASE].texture : -1,
+        const int map[4] = {covers ? m->map[RND_MAP_BASE].texture : -1,
                             covers ? m->map[RND_MAP_COVERAGE].texture : -1,
-                            emits ? m->map[RND_MAP_EMISSION].texture : -1};
-        for (int k = 0; k < 3; k++)
+                            emits ? m->map[RND_MAP_EMISSION].texture : -1,
+                            m->glossiness_mapped ? m->map[RND_MAP_SPECULAR_COLOUR].texture : -1};
+        for (int k = 0; k < 4; k++)
             if (map[k] >= 0) scene->texture[map[k]].first = true;
+    }
+}
+
+/* Of a glossiness map only the mean is taken: the texel of the coarsest mipmap. */
+static void take_glossiness(struct rnd_scene *scene)
+{
+    for (uint32_t i = 0; i < scene->material_count; i++) {
+        struct rnd_material *m = &scene->material[i];
+        const int map = m->glossiness_mapped ? m->map[RND_MAP_SPECULAR_COLOUR].texture : -1;
+        m->glossiness_mapped = false;
+        if (map < 0 || scene->texture[map].levels == 0) continue;
+        const struct rnd_texture *t = &scene->texture[map];
+        const float mean = rnd_texture_texel(t, t->level[t->levels - 1].first).a;
+        m->roughness = 1.0f - (1.0f - m->roughness) * mean;
+        rnd_scene_unsupported(scene, "glossiness maps (their mean is taken)");
     }
 }
 
 static bool build(struct rnd_scene *scene, const struct rnd_scene_options *options,
                   char out_error[RND_ERROR_SIZE])
 {
-    struct building geometry = {.scene = scene};
-    pthread_t thread;
+    struct building geometry = {.scene = scene, .part = build_geometry},
+                    env = {.scene = scene, .options = options, .part = build_env};
+    pthread_t thread, env_thread;
+    const bool env_apart = options->env_path ? begin(&env, &env_thread) : (run(&env), false);
     mark_first_textures(scene);
     rnd_textures_load(scene, true);
+    take_glossiness(scene);
     rnd_textures_drop_unread(scene, &scene->warnings);
     if (options->textures_later) {
-        build_geometry(&geometry);
+        run(&geometry);
     } else {
-        const bool apart = pthread_create(&thread, NULL, build_geometry, &geometry) == 0;
+        const bool apart = begin(&geometry, &thread);
         rnd_textures_load(scene, false);
-        if (apart)
-            pthread_join(thread, NULL);
-        else
-            build_geometry(&geometry);
+        if (apart) pthread_join(thread, NULL);
         rnd_textures_drop_unread(scene, &scene->warnings);
         rnd_textures_cap(scene);
     }
-    if (!geometry.ok) memcpy(out_error, geometry.error, RND_ERROR_SIZE);
-    return geometry.ok && rnd_lights_build(scene, options->path, out_error);
+    if (env_apart) pthread_join(env_thread, NULL);
+    const struct building *failed = !geometry.ok ? &geometry : !env.ok ? &env : NULL;
+    if (failed) memcpy(out_error, failed->error, RND_ERROR_SIZE);
+    return !failed && rnd_lights_build(scene, options->path, out_error);
 }
 
 /* --- textures that come later --- */
@@ -180,18 +197,30 @@ static void clear_glass(struct rnd_scene *scene)
     }
 }
 
+/* Who reads pictures: what the options say, else the scene's own. Started at once if it is needed at once. */
+static bool find_readers(struct rnd_scene *scene, const struct rnd_scene_options *options)
+{
+    if (!options->readers) scene->own_readers = rnd_readers_create();
+    scene->readers = options->readers ? options->readers : scene->own_readers;
+    scene->reader_mib = rnd_reader_limits(options, options->path).mib;
+    scene->reader_seconds = options->reader_seconds;
+    scene->cancel = options->cancel;
+    if (scene->readers && options->env_path) rnd_readers_expect(scene->readers);
+    return scene->readers;
+}
+
 struct rnd_scene *rnd_scene_load(const struct rnd_scene_options *options, char out_error[RND_ERROR_SIZE])
 {
     const double start = seconds();
     struct rnd_scene *scene = calloc(1, sizeof *scene);
-    if (!scene) {
+    if (!scene || !find_readers(scene, options)) {
         snprintf(out_error, RND_ERROR_SIZE, "not enough memory");
+        free(scene);
         return NULL;
     }
-    if (!rnd_import(scene, options->path, out_error)) goto fail;
+    if (!rnd_scene_read(scene, options, out_error)) goto fail;
+    if (scene->texture_count > 0) rnd_readers_expect(scene->readers);
     if (options->clear_glass) clear_glass(scene);
-    if (options->env_path && !rnd_env_load(scene, options->env_path, options->env_azimuth, out_error))
-        goto fail;
     if (options->has_sun) {
         if (!(scene->lights.sun = calloc(1, sizeof *scene->lights.sun))) {
             snprintf(out_error, RND_ERROR_SIZE, "%.200s: not enough memory", options->path);
@@ -214,22 +243,12 @@ struct rnd_scene *rnd_scene_load(const struct rnd_scene_options *options, char o
     scene->info.warnings = scene->warnings.text ? scene->warnings.text : "";
     scene->info.read_seconds = read - start;
     scene->info.build_seconds = seconds() - read;
+    scene->cancel = NULL;
     return scene;
 fail:
     rnd_make_printable(out_error);
     rnd_scene_destroy(scene);
     return NULL;
-}
-
-void rnd_mesh_finish(struct rnd_mesh *mesh)
-{
-    free(mesh->position);
-    free(mesh->normal);
-    free(mesh->uv[0]);
-    free(mesh->uv[1]);
-    free(mesh->colour);
-    free(mesh->tangent);
-    free(mesh->index);
 }
 
 void rnd_scene_destroy(struct rnd_scene *scene)
@@ -244,7 +263,7 @@ void rnd_scene_destroy(struct rnd_scene *scene)
     if (scene->border_tree) rtcReleaseScene(scene->border_tree);
     if (scene->device) rtcReleaseDevice(scene->device);
     rnd_lights_finish(&scene->lights);
-    for (uint32_t i = 0; i < scene->mesh_count; i++) rnd_mesh_finish(&scene->mesh[i]);
+    for (uint32_t i = 0; i < scene->mesh_count && !scene->flat; i++) rnd_mesh_finish(&scene->mesh[i]);
     free(scene->mesh);
     free(scene->instance);
     free(scene->alpha);
@@ -253,11 +272,16 @@ void rnd_scene_destroy(struct rnd_scene *scene)
     for (uint32_t i = 0; i < scene->glass_count; i++) free(scene->glass[i]);
     free(scene->glass);
     free(scene->medium);
-    for (uint32_t i = 0; i < scene->texture_count; i++) rnd_texture_finish(&scene->texture[i]);
+    for (uint32_t i = 0; i < scene->texture_count; i++) {
+        if (!scene->flat) free((void *)(uintptr_t)scene->texture[i].file);
+        rnd_texture_finish(&scene->texture[i]);
+    }
     free(scene->texture);
     free(scene->record);
     free(scene->warnings.text);
     free(scene->late_warnings.text);
+    if (scene->flat) munmap(scene->flat, scene->flat_bytes);
+    rnd_readers_destroy(scene->own_readers);
     free(scene);
 }
 

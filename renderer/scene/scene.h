@@ -70,6 +70,8 @@ struct rnd_material {
     float alpha,
         alpha_cutoff; /* coverage: factor of the base texture's alpha; below cutoff nothing is there */
     float metallic, roughness;
+    bool glossiness_mapped; /* roughness has still to be 1 - (1 - it) times the mean alpha of the specular
+                               colour's map */
     float ior;
     float f0;       /* reflectance of the non-metal ahead: ((ior - 1) / (ior + 1))^2 specular */
     float specular; /* KHR_materials_specular: scales the reflectance of the non-metal */
@@ -138,6 +140,13 @@ struct rnd_warnings {
 
 struct rnd_scene {
     struct rnd_scene_info info;
+    void *flat; /* what a reader has handed over, in which the meshes' arrays and textures' files are; NULL:
+                   these are malloc'ed */
+    size_t flat_bytes;
+    struct rnd_readers *readers,
+        *own_readers; /* who reads pictures; the same, or NULL if they are not the scene's */
+    uint32_t reader_mib, reader_seconds; /* as struct rnd_scene_options has them */
+    const atomic_bool *cancel;           /* of the options, while the scene is loaded; then NULL */
     /* Where the scene's own coordinates begin, m: all but info is in these, since floats are too coarse far
      * from their origin. */
     double origin[3];
@@ -202,7 +211,12 @@ void rnd_scene_unsupported(struct rnd_scene *scene, const char *name);
 /* scene.c: add a line, without its end. */
 void rnd_warn(struct rnd_warnings *warnings, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* texture.c: index of the texture of this path (or of bytes in memory, named by path), which is read later
+struct rnd_image_reader;
+
+/* scene.c: one who reads pictures for it; to be finished. */
+struct rnd_image_reader rnd_scene_reader(const struct rnd_scene *scene);
+
+/* import.c: index of the texture of this path (or of bytes in memory, named by path), which is read later
  * and once. -1 and a line in out_error if memory is short. */
 int rnd_texture_add(struct rnd_scene *scene, const char *path, const void *memory, size_t count,
                     enum rnd_pixels_use use, char out_error[RND_ERROR_SIZE]);

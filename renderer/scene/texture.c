@@ -1,7 +1,8 @@
 /* Textures: asked for at import, read by several threads, kept with their mipmaps under a cap of memory. */
 #include "large_pages.h"
-#include "scene/texture.h"
+#include "scene/image_reader.h"
 #include "scene/scene.h"
+#include "scene/texture.h"
 #include "scene/srgb.h"
 
 #include <pthread.h>
@@ -14,34 +15,10 @@
 /* Of all textures with their mipmaps; what is over it loses its finest levels. */
 static const uint64_t CAP_BYTES = (uint64_t)2 << 30;
 
-int rnd_texture_add(struct rnd_scene *scene, const char *path, const void *memory, size_t count,
-                    enum rnd_pixels_use use, char out_error[RND_ERROR_SIZE])
-{
-    for (uint32_t i = 0; i < scene->texture_count; i++)
-        if (scene->texture[i].use == use && strcmp(scene->texture[i].path, path) == 0) return (int)i;
-
-    struct rnd_texture *grown = realloc(scene->texture, (scene->texture_count + 1) * sizeof *grown);
-    if (grown) scene->texture = grown;
-    struct rnd_texture texture = {.use = use, .path = strdup(path)};
-    if (memory && (texture.file = malloc(count ? count : 1))) {
-        memcpy(texture.file, memory, count);
-        texture.file_bytes = count;
-    }
-    if (!grown || !texture.path || (memory && !texture.file)) {
-        snprintf(out_error, RND_ERROR_SIZE, "%.200s: not enough memory", path);
-        free(texture.path);
-        free(texture.file);
-        return -1;
-    }
-    scene->texture[scene->texture_count] = texture;
-    return (int)scene->texture_count++;
-}
-
 void rnd_texture_finish(struct rnd_texture *texture)
 {
     free(texture->path);
     free(texture->error);
-    free(texture->file);
     free(texture->bytes);
     free(texture->floats);
     *texture = (struct rnd_texture){0};
@@ -105,25 +82,7 @@ static void fill_levels(struct rnd_texture *texture)
     }
 }
 
-/* The first level from the file's pixels: RGBA; missing channels repeat the first, alpha is 1. */
-static void take_pixels(struct rnd_texture *texture, const struct rnd_pixels *pixels)
-{
-    const size_t count = (size_t)pixels->width * pixels->height, n = pixels->channels;
-    const size_t g = n >= 3 ? 1 : 0, b = 2 * g, a = n == 2 || n >= 4 ? (n == 2 ? 1 : 3) : 0;
-    texture->has_alpha = a != 0;
-    if (texture->floats)
-        for (size_t i = 0; i < count; i++) {
-            const float *from = pixels->floats + n * i;
-            float *to = texture->floats + 4 * i;
-            to[0] = from[0], to[1] = from[g], to[2] = from[b], to[3] = a ? from[a] : 1.0f;
-        }
-    else
-        for (size_t i = 0; i < count; i++) {
-            const uint8_t *from = pixels->bytes + n * i;
-            uint8_t *to = texture->bytes + 4 * i;
-            to[0] = from[0], to[1] = from[g], to[2] = from[b], to[3] = a ? from[a] : 255;
-        }
-}
+/* --- reading --- */
 
 /* Note why it cannot be read. */
 static bool fail(struct rnd_texture *texture, const char *what, const char *why)
@@ -135,30 +94,70 @@ static bool fail(struct rnd_texture *texture, const char *what, const char *why)
     return false;
 }
 
-bool rnd_texture_load(struct rnd_texture *texture)
+/* A picture that becomes a texture. */
+struct filling {
+    struct rnd_pixels_sink sink; /* first */
+    struct rnd_texture *texture;
+    size_t channels;
+};
+
+static bool begin(struct rnd_pixels_sink *sink, const struct rnd_picture *picture)
 {
-    struct rnd_pixels pixels;
-    char text[RND_ERROR_SIZE / 2];
-    if (texture->error) return false;
-    if (!rnd_pixels_read(texture->path, texture->file, texture->file_bytes, texture->use, true, &pixels, text,
-                         sizeof text))
-        return fail(texture, "not a readable image: ", text);
-    free(texture->file);
-    texture->file = NULL;
-    const size_t count = lay_out(texture, pixels.width, pixels.height);
-    texture->log2_size = 0.5f * log2f((float)pixels.width * (float)pixels.height);
-    if (pixels.floats)
-        texture->floats = malloc(count * 4 * sizeof *texture->floats);
-    else
+    struct filling *filling = (struct filling *)(void *)sink;
+    struct rnd_texture *texture = filling->texture;
+    const size_t count = lay_out(texture, picture->width, picture->height),
+                 n = filling->channels = (size_t)picture->channels;
+    texture->log2_size = 0.5f * log2f((float)picture->width * (float)picture->height);
+    texture->has_alpha = n == 2 || n >= 4;
+    if (picture->bytes)
         texture->bytes = malloc(count * 4);
-    const bool ok = texture->floats || texture->bytes;
+    else
+        texture->floats = malloc(count * 4 * sizeof *texture->floats);
     rnd_use_large_pages(texture->floats, count * 4 * sizeof *texture->floats);
     rnd_use_large_pages(texture->bytes, count * 4);
-    if (ok) take_pixels(texture, &pixels);
-    rnd_pixels_finish(&pixels);
-    if (ok) fill_levels(texture);
-    return ok || fail(texture, "not enough memory", "");
+    return texture->floats || texture->bytes;
 }
+
+/* Rows of the first level from the file's pixels: RGBA; missing channels repeat the first, alpha is 1. */
+static bool take_rows(struct rnd_pixels_sink *sink, int first, int rows, const void *pixels)
+{
+    const struct filling *filling = (const struct filling *)(const void *)sink;
+    const struct rnd_texture *texture = filling->texture;
+    const size_t width = (size_t)texture->level[0].width, count = (size_t)rows * width, n = filling->channels,
+                 g = n >= 3 ? 1 : 0, b = 2 * g, a = texture->has_alpha ? (n == 2 ? 1 : 3) : 0;
+    if (texture->floats)
+        for (size_t i = 0; i < count; i++) {
+            const float *from = (const float *)pixels + n * i;
+            float *to = texture->floats + 4 * ((size_t)first * width + i);
+            to[0] = from[0], to[1] = from[g], to[2] = from[b], to[3] = a ? from[a] : 1.0f;
+        }
+    else
+        for (size_t i = 0; i < count; i++) {
+            const uint8_t *from = (const uint8_t *)pixels + n * i;
+            uint8_t *to = texture->bytes + 4 * ((size_t)first * width + i);
+            to[0] = from[0], to[1] = from[g], to[2] = from[b], to[3] = a ? from[a] : 255;
+        }
+    return true;
+}
+
+bool rnd_texture_load(struct rnd_texture *texture, struct rnd_image_reader *reader)
+{
+    struct filling filling = {.sink = {begin, take_rows}, .texture = texture};
+    char text[RND_ERROR_SIZE / 2];
+    if (texture->error) return false;
+    if (rnd_image_read_apart(reader, texture->path, texture->file, texture->file_bytes, texture->use, true,
+                             &filling.sink, text, sizeof text)) {
+        fill_levels(texture);
+        return true;
+    }
+    free(texture->bytes);
+    free(texture->floats);
+    texture->bytes = NULL;
+    texture->floats = NULL;
+    return fail(texture, strncmp(text, "the reader", 10) == 0 ? "" : "not a readable image: ", text);
+}
+
+/* --- the cap of memory --- */
 
 /* Forget the finest level: the others move to the front of the memory. */
 static bool drop_finest(struct rnd_texture *texture)
@@ -216,12 +215,15 @@ static void *load_some(void *argument)
 {
     struct loading *loading = argument;
     struct rnd_scene *scene = loading->scene;
+    struct rnd_image_reader reader = rnd_scene_reader(scene);
     for (;;) {
         const uint32_t i = atomic_fetch_add(&loading->next, 1);
-        if (i >= scene->texture_count || atomic_load(&scene->cancelled)) return NULL;
+        if (i >= scene->texture_count || atomic_load(&scene->cancelled)) break;
         struct rnd_texture *texture = &scene->texture[i];
-        if (texture->levels == 0 && texture->first >= loading->first) rnd_texture_load(texture);
+        if (texture->levels == 0 && texture->first >= loading->first) rnd_texture_load(texture, &reader);
     }
+    rnd_image_reader_finish(&reader);
+    return NULL;
 }
 
 void rnd_textures_load(struct rnd_scene *scene, bool first)
@@ -230,9 +232,12 @@ void rnd_textures_load(struct rnd_scene *scene, bool first)
     const long threads = sysconf(_SC_NPROCESSORS_ONLN);
     struct loading loading = {.scene = scene, .first = first};
     pthread_t thread[MOST];
-    int started = 0;
-    if (scene->texture_count == 0) return;
-    while (started < threads - 1 && started < MOST && started + 1 < (int)scene->texture_count &&
+    int started = 0, count = 0;
+    for (uint32_t i = 0; i < scene->texture_count; i++)
+        count +=
+            scene->texture[i].levels == 0 && !scene->texture[i].error && scene->texture[i].first >= first;
+    if (count == 0) return;
+    while (started < threads - 1 && started < MOST && started + 1 < count &&
            pthread_create(&thread[started], NULL, load_some, &loading) == 0)
         started++;
     load_some(&loading);

@@ -25,7 +25,7 @@ struct rnd_level {
 struct rnd_texture {
     char *path;
     enum rnd_pixels_use use;
-    void *file; /* bytes of a file in memory until it is read, or NULL */
+    const void *file; /* bytes of a file in memory, which are the scene's, or NULL */
     size_t file_bytes;
     bool first;                             /* asked for before the tree and the lights can be built */
     bool has_alpha;                         /* the file has a channel for it; else it is 1 everywhere */
@@ -41,8 +41,10 @@ struct rnd_texel {
     float r, g, b, a; /* linear */
 };
 
+struct rnd_image_reader;
+
 /* Read the file, and make the mipmaps. False on failure; texture->error says why. */
-bool rnd_texture_load(struct rnd_texture *texture);
+bool rnd_texture_load(struct rnd_texture *texture, struct rnd_image_reader *reader);
 void rnd_texture_finish(struct rnd_texture *texture);
 
 /* A texture coordinate brought into [0, 1]. */

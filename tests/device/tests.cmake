@@ -13,6 +13,7 @@ if(UMOCKDEV_FOUND)
   target_link_libraries(device_plug PRIVATE fake)
   add_executable(device_latency device/latency.c)
   target_link_libraries(device_latency PRIVATE fake tracker renderer m)
+  add_dependencies(device_latency fovead-reader)
 endif()
 foreach(name hid psvr2 auto list conformance fovead leak latency)
   add_test(NAME device_${name}

@@ -126,6 +126,43 @@ for kind in pipe zero folder; do
     rm -rf put.hdr
 done
 
+# --- what a reader may take
+
+# Faces of many corners, that take a second and more each.
+awk 'BEGIN {
+    for (i = 0; i < 10000; i++) printf "v %f 0 %f\n", cos(i / 10000 * 6.2831853) * (1 + (i * 7919 % 101) / 200), sin(i / 10000 * 6.2831853) * (1 + (i * 7919 % 101) / 200)
+    for (face = 0; face < 400; face++) {printf "f"; for (i = 1; i <= 10000; i++) printf " %d", i; print ""}}' >slow.obj
+not_drawn 'slow.obj: the reader took more than 1 s' slow.obj --reader-time 1
+awk 'BEGIN {for (i = 0; i < 400000; i++) printf "v %d 0 0\n", i; for (i = 1; i < 399998; i++) print "f", i, i + 1, i + 2}' >large.obj
+if ! grep -q '^SANITIZE:STRING=..*' "$programs/CMakeCache.txt"; then # sanitizers take all addresses there are
+    not_drawn 'large.obj: the reader took more than 64 MiB' large.obj --reader-memory 64
+fi
+
+# readers PROGRAM: its readers of a scene.
+readers() {
+    for readers_one in /proc/[0-9]*; do
+        if { tr '\0' ' ' <"$readers_one/cmdline"; } 2>/dev/null | grep -q "^fovead-reader $1 "; then echo "${readers_one#/proc/}"; fi
+    done
+}
+"$fovead" --scene slow.obj --reader-time 1000 --gaze synthetic --listen "unix:$place/slow.sock" >slow.out 2>slow.err &
+daemon=$!
+reading() { [ -n "$(readers "$daemon")" ]; }
+await 'the reader' reading
+reader=$(readers "$daemon")
+kill -SEGV "$reader"
+wait "$daemon" && fail 'a crashed reader is success' || status=$?
+[ "$status" = 1 ] && grep -q 'slow.obj: the reader crashed (signal 11)$' slow.err && [ "$(wc -l <slow.err)" = 1 ] ||
+    fail "status $status: $(cat slow.err)"
+"$fovead" --scene slow.obj --reader-time 1000 --gaze synthetic --listen "unix:$place/slow.sock" >slow.out 2>slow.err &
+daemon=$!
+await 'the reader' reading
+reader=$(readers "$daemon")
+kill -TERM "$daemon"
+wait "$daemon" || true
+is_gone() { ! kill -0 "$reader" 2>/dev/null; }
+await 'the end of the reader' is_gone
+daemon=
+
 # --- the daemon goes on
 
 # edited WORD: the daemon has taken the edit up, or said why not, in a line that holds WORD.
@@ -136,7 +173,7 @@ edited() {
 cp room.obj own.obj
 sed -i 's/room.mtl/own.mtl/' own.obj
 cp room.mtl own.mtl
-start --scene own.obj --watch --size 128x64 --gaze synthetic
+start --scene own.obj --reader-time 1000 --watch --size 128x64 --gaze synthetic
 mkfifo aaa.mtl
 ln -s /dev/zero zero.mtl
 printf 'map_d own.png\n' | cat - room.mtl >next && mv next own.mtl
@@ -146,8 +183,15 @@ await 'the refusal' edited 'the picture stays: '
 mkfifo next && mv next own.obj
 await 'the refusal of a pipe' edited 'own.obj: is a pipe'
 "$foveactl" stats >/dev/null || fail 'the daemon does not answer'
+cat slow.obj >next && mv next own.obj
+await 'the reader' reading
+kill -SEGV "$(readers "$daemon")"
+await 'the crash' edited 'the picture stays: own.obj: the reader crashed (signal 11)'
+"$foveactl" stats >/dev/null || fail 'the daemon does not answer'
 sed 's/room.mtl/own.mtl/' room.obj >next && mv next own.obj
 await 'the last edit' sh -c '[ "$(grep -c "^scene " daemon.out)" = 3 ]'
+cat slow.obj >next && mv next own.obj
+await 'the reader' reading
 stop
 
 # --- the files of ../shared, if they are here

@@ -6,7 +6,7 @@ static struct rnd_scene *load(const char *path, const char *env, const float *su
                               bool clear)
 {
     struct rnd_scene_options options = {
-        .path = path, .env_path = env, .has_sun = sun, .has_eye = true, .clear_glass = clear};
+        .readers = files_readers(), .path = path, .env_path = env, .has_sun = sun, .has_eye = true, .clear_glass = clear};
     char error[RND_ERROR_SIZE];
     if (sun) memcpy(options.sun, sun, sizeof options.sun);
     for (int c = 0; c < 3; c++) options.eye[c] = (double)eye[c];

@@ -469,7 +469,7 @@ static void turned_environment(void **state)
                                   "\"KHR_materials_specular\":{\"specularFactor\":0}}}",
                                   "");
     for (int k = 0; k < 2; k++) {
-        const struct rnd_scene_options options = {.path = path,
+        const struct rnd_scene_options options = {.readers = files_readers(), .path = path,
                                                   .env_path = env,
                                                   .env_azimuth = k ? 90.0f : 0.0f,
                                                   .has_eye = true,

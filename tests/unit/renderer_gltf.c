@@ -29,7 +29,7 @@ static struct rnd_scene *load_warned(const char *path, const char *words)
 
 static void assert_refused(const char *path, const char *words)
 {
-    const struct rnd_scene_options options = {.path = path, .env_path = files_env("env.exr", 1)};
+    const struct rnd_scene_options options = {.readers = files_readers(), .path = path, .env_path = files_env("env.exr", 1)};
     char error[RND_ERROR_SIZE] = "";
     struct rnd_scene *scene = rnd_scene_load(&options, error);
     if (scene || !strstr(error, words) || strchr(error, '\n'))
@@ -377,7 +377,7 @@ static void draco(void **state)
         memcpy(spoiled, draco_square, sizeof spoiled);
         spoiled[i] = spoiled[i] == 'A' ? 'z' : 'A';
         const struct rnd_scene_options options = {
-            .path = with_draco("spoiled.gltf", indices[0], "0", spoiled), .env_path = files_path("env.exr")};
+            .readers = files_readers(), .path = with_draco("spoiled.gltf", indices[0], "0", spoiled), .env_path = files_path("env.exr")};
         struct rnd_scene *scene = rnd_scene_load(&options, error);
         assert_true(scene != NULL || strstr(error, "spoiled.gltf: "));
         rnd_scene_destroy(scene);
@@ -548,7 +548,7 @@ static void printable(void **state)
                                    "{\"attributes\":{\"POSITION\":0}}],\"name\":\"a\\u001b]0;"
                                    "b\\u0007\\u009b1m\\u007f\\n\\u00e4\",\"x\":[",
                                    node, "", "", parts, 1);
-    const struct rnd_scene_options options = {.path = path, .env_path = files_env("env.exr", 1)};
+    const struct rnd_scene_options options = {.readers = files_readers(), .path = path, .env_path = files_env("env.exr", 1)};
     char error[RND_ERROR_SIZE];
     assert_null(rnd_scene_load(&options, error));
     if (!strstr(error, "mesh \"a ]0;b   1m  \xc3\xa4\" is not finite")) fail_msg("%s", error);

@@ -82,7 +82,7 @@ static void environment(void **state)
     files_text("f.mtl", "newmtl floor\nKd 0.5 0.5 0.5\n");
     assert_true(files_image(files_path("env.hdr"), W, H, rgb, true, error));
     const struct rnd_scene_options options = {
-        .path = files_text("f.obj", floor_obj), .env_path = files_path("env.hdr"), .env_azimuth = 33.75f};
+        .readers = files_readers(), .path = files_text("f.obj", floor_obj), .env_path = files_path("env.hdr"), .env_azimuth = 33.75f};
     struct rnd_scene *scene = rnd_scene_load(&options, error);
     if (!scene) fail_msg("%s", error);
     const struct rnd_env *env = scene->lights.env;

@@ -194,7 +194,7 @@ static void image_in_buffer(void **state)
                  "\"image/png\"}]",
                  view);
         const char *path = files_parts("inside.gltf", files_primitive, node, material, more, parts, 4);
-        const struct rnd_scene_options options = {.path = path, .env_path = files_env("env.exr", 1)};
+        const struct rnd_scene_options options = {.readers = files_readers(), .path = path, .env_path = files_env("env.exr", 1)};
         struct rnd_scene *scene = rnd_scene_load(&options, error);
         if (!scene) fail_msg("%s", error);
         if (view == 3) {
@@ -234,7 +234,7 @@ static void later(void **state)
     const char *warnings;
     char error[RND_ERROR_SIZE] = "";
     write_halves("halves.png", 0, 1);
-    struct rnd_scene_options options = {.path = files_gltf("later.gltf", 1, node, material, IMAGE),
+    struct rnd_scene_options options = {.readers = files_readers(), .path = files_gltf("later.gltf", 1, node, material, IMAGE),
                                         .env_path = files_env("env.exr", 1)};
     struct rnd_scene *at_once = rnd_scene_load(&options, error);
     assert_non_null(at_once);
@@ -376,7 +376,7 @@ static void mtl(void **state)
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         char error[RND_ERROR_SIZE] = "";
         files_text("m.mtl", bad[i]);
-        const struct rnd_scene_options options = {.path = files_path("m.obj"),
+        const struct rnd_scene_options options = {.readers = files_readers(), .path = files_path("m.obj"),
                                                   .env_path = files_path("env.exr")};
         assert_null(rnd_scene_load(&options, error));
         print_message("%s\n", error);

@@ -1,0 +1,56 @@
+/* A scene as its file has it, in one piece of memory without pointers: how fovead-reader hands it over.
+ *
+ * Places are bytes from the beginning; 0 is nowhere. Numbers are as this machine has them: both programs are
+ * of the same build, which the head says. What a hostile file has made of the reader may have written
+ * anything, so that nothing of it is used before it has been checked.
+ */
+#ifndef FOVEAD_RENDERER_FLAT_H
+#define FOVEAD_RENDERER_FLAT_H
+
+#include "scene/scene.h"
+
+#define RND_FLAT_MAGIC "fovead " FOVEAD_VERSION
+
+struct rnd_flat_list {
+    uint64_t at, count;
+};
+
+struct rnd_flat_mesh {
+    uint32_t vertices, triangles, material, instanced;
+    uint64_t position, normal, uv[2], colour, tangent, index; /* as struct rnd_mesh has them */
+};
+
+struct rnd_flat_texture {
+    uint64_t use;
+    uint64_t path;             /* a text */
+    struct rnd_flat_list file; /* bytes of an image in memory; or nowhere */
+};
+
+struct rnd_flat_head {
+    char magic[24];
+    uint64_t layout;                /* rnd_flat_layout() */
+    struct rnd_flat_list mesh;      /* struct rnd_flat_mesh */
+    struct rnd_flat_list material;  /* struct rnd_material, without its glass */
+    struct rnd_flat_list texture;   /* struct rnd_flat_texture */
+    struct rnd_flat_list instance;  /* struct rnd_instance */
+    struct rnd_flat_list punctual;  /* struct rnd_punctual */
+    uint64_t warnings, unsupported; /* texts */
+    double eye[3], bounds[2][3], origin[3];
+};
+
+/* Differs if a structure has another size. */
+static inline uint64_t rnd_flat_layout(void)
+{
+    return sizeof(struct rnd_material) << 40 | sizeof(struct rnd_instance) << 20 |
+           sizeof(struct rnd_punctual);
+}
+
+/* flat_put.c: write a scene to an empty file, freeing its meshes on the way, so that they are there once.
+ * False if that fails. */
+bool rnd_flat_put(struct rnd_scene *scene, int fd);
+
+/* flat_take.c: fill a scene from scene->flat, of scene->flat_bytes, which its meshes go on using. False with
+ * what is wrong, as "a mesh whose ...". */
+bool rnd_flat_take(struct rnd_scene *scene, const char *path, char *out_why, size_t size);
+
+#endif

@@ -1,0 +1,283 @@
+/* Asking fovead-image-reader for pictures. */
+#include "scene/image_reader.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+/* --- the program --- */
+
+struct rnd_readers {
+    pthread_mutex_t lock; /* of all that follows */
+    pid_t pid;            /* 0: it does not run */
+    int control;          /* -1 then */
+};
+
+struct rnd_readers *rnd_readers_create(void)
+{
+    struct rnd_readers *readers = calloc(1, sizeof *readers);
+    if (!readers) return NULL;
+    pthread_mutex_init(&readers->lock, NULL);
+    readers->control = -1;
+    return readers;
+}
+
+/* The program ends when its socket does; it waits for nothing else. */
+static void end(struct rnd_readers *readers)
+{
+    if (readers->control >= 0) close(readers->control);
+    while (readers->pid && waitpid(readers->pid, NULL, 0) < 0 && errno == EINTR) continue;
+    readers->pid = 0;
+    readers->control = -1;
+}
+
+void rnd_readers_destroy(struct rnd_readers *readers)
+{
+    if (!readers) return;
+    end(readers);
+    pthread_mutex_destroy(&readers->lock);
+    free(readers);
+}
+
+static bool start(struct rnd_readers *readers, char out_error[RND_ERROR_SIZE])
+{
+    static char name[] = "fovead-image-reader";
+    int pair[2];
+    if (readers->pid) return true;
+    if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) != 0) {
+        snprintf(out_error, RND_ERROR_SIZE, "cannot start a reader: %s", strerror(errno));
+        return false;
+    }
+    readers->pid = rnd_reader_start(name, (char *const[]){name, NULL}, &pair[1], 1, out_error);
+    close(pair[1]);
+    if (readers->pid)
+        readers->control = pair[0];
+    else
+        close(pair[0]);
+    return readers->pid != 0;
+}
+
+void rnd_readers_expect(struct rnd_readers *readers)
+{
+    char error[RND_ERROR_SIZE];
+    pthread_mutex_lock(&readers->lock);
+    start(readers, error); /* who asks for a picture is told if that fails */
+    pthread_mutex_unlock(&readers->lock);
+}
+
+/* Get a copy of the program. It may have ended because nobody asked for long: then it is started once more.
+ */
+static bool get_copy(struct rnd_image_reader *reader, char *out_error, size_t error_size)
+{
+    struct rnd_readers *readers = reader->readers;
+    char error[RND_ERROR_SIZE] = "cannot start a reader";
+    int pair[2];
+    bool ok = false;
+    if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) != 0) {
+        snprintf(out_error, error_size, "cannot start a reader: %s", strerror(errno));
+        return false;
+    }
+    pthread_mutex_lock(&readers->lock);
+    for (int turn = 0; turn < 2 && !ok && start(readers, error); turn++) {
+        ok =
+            rnd_image_send(readers->control, RND_IMAGE_COPY, &reader->limits, sizeof reader->limits, pair[1]);
+        if (!ok) end(readers);
+    }
+    pthread_mutex_unlock(&readers->lock);
+    close(pair[1]);
+    if (ok) {
+        fcntl(pair[0], F_SETFL, O_NONBLOCK);
+        reader->socket = pair[0];
+    } else {
+        close(pair[0]);
+        snprintf(out_error, error_size, "%s", error);
+    }
+    return ok;
+}
+
+/* --- a copy of it --- */
+
+/* One picture that is wanted. */
+struct wanted {
+    struct rnd_image_reader *reader;
+    struct rnd_reader_limits limits; /* of this file */
+    time_t last;                     /* when patience ends */
+    const char *path;
+    struct rnd_pixels_sink *sink;
+    char *error;
+    size_t error_size;
+    bool lost; /* the copy has ended without a word of why: before it was one, as it seems */
+};
+
+static bool fail(struct wanted *wanted, const char *what)
+{
+    snprintf(wanted->error, wanted->error_size, "%s", what);
+    rnd_make_printable(wanted->error);
+    return false;
+}
+
+/* Wait until the socket can be read or written. */
+static bool wait_for(struct wanted *wanted, short events)
+{
+    enum { LOOK_MS = 50 };
+    struct rnd_image_reader *reader = wanted->reader;
+    struct pollfd one = {.fd = reader->socket, .events = events};
+    while (poll(&one, 1, LOOK_MS) <= 0) {
+        for (int i = 0; i < 2; i++)
+            if (reader->cancel[i] && atomic_load(reader->cancel[i]))
+                return fail(wanted, "nobody wants it any more");
+        if (time(NULL) > wanted->last) return fail(wanted, "the reader says nothing any more");
+    }
+    return true;
+}
+
+static bool send_packet(struct wanted *wanted, enum rnd_image_packet kind, const void *bytes, size_t count)
+{
+    for (;;) {
+        if (!wait_for(wanted, POLLOUT)) return false;
+        if (rnd_image_send(wanted->reader->socket, kind, bytes, count, -1)) return true;
+        if (errno == EPIPE || errno == ECONNRESET) return true; /* its status says why */
+        if (errno != EAGAIN) return fail(wanted, strerror(errno));
+    }
+}
+
+/* The next packet; one that says how the reader ended is a failure. -1 then. */
+static ssize_t receive_packet(struct wanted *wanted, enum rnd_image_packet *out_kind, void *bytes,
+                              size_t count)
+{
+    for (;;) {
+        ssize_t got;
+        int status;
+        if (!wait_for(wanted, POLLIN)) return -1;
+        got = rnd_image_receive(wanted->reader->socket, out_kind, bytes, count, NULL);
+        if (got == -1 && errno == EAGAIN) continue;
+        if (got < 0) {
+            wanted->lost = true;
+            return fail(wanted, "the reader has gone"), -1;
+        }
+        if (*out_kind != RND_IMAGE_STATUS) return got;
+        if (got != sizeof status || count < sizeof status) return fail(wanted, "the reader has gone"), -1;
+        memcpy(&status, bytes, sizeof status);
+        char why[120];
+        rnd_reader_why(status, &wanted->limits, why, sizeof why);
+        return fail(wanted, why), -1;
+    }
+}
+
+static bool ask(struct wanted *wanted, const void *memory, size_t count, enum rnd_pixels_use use,
+                bool want_bytes)
+{
+    char packet[sizeof(struct rnd_image_request) + RND_IMAGE_MOST_PATH];
+    const size_t length = strlen(wanted->path);
+    const struct rnd_image_request request = {.file_bytes = memory ? count : 0,
+                                              .in_memory = memory != NULL,
+                                              .use = use,
+                                              .want_bytes = want_bytes,
+                                              .seconds = wanted->limits.seconds};
+    if (length >= RND_IMAGE_MOST_PATH) return fail(wanted, strerror(ENAMETOOLONG));
+    memcpy(packet, &request, sizeof request);
+    memcpy(packet + sizeof request, wanted->path, length);
+    if (!send_packet(wanted, RND_IMAGE_REQUEST, packet, sizeof request + length)) return false;
+    for (size_t at = 0, n; memory && at < count; at += n) {
+        n = count - at < RND_IMAGE_PACKET_BYTES ? count - at : RND_IMAGE_PACKET_BYTES;
+        if (!send_packet(wanted, RND_IMAGE_DATA, (const char *)memory + at, n)) return false;
+    }
+    return true;
+}
+
+/* Is it a picture that can be? */
+static bool is_picture(const struct rnd_picture *picture, bool want_bytes)
+{
+    return picture->width > 0 && picture->height > 0 &&
+           (int64_t)picture->width * picture->height <= RND_MAX_PIXELS && picture->channels > 0 &&
+           picture->channels <= RND_MAX_CHANNELS && *(const unsigned char *)&picture->bytes <= want_bytes &&
+           *(const unsigned char *)&picture->display <= 1;
+}
+
+/* A line in place of what was expected. Returns false. */
+static bool take_error(struct wanted *wanted, enum rnd_image_packet kind, const void *text, size_t count)
+{
+    char line[RND_ERROR_SIZE / 2];
+    snprintf(line, sizeof line, "%.*s", count < sizeof line ? (int)count : (int)sizeof line,
+             (const char *)text);
+    return fail(wanted, kind == RND_IMAGE_ERROR && *line ? line : "the reader has gone");
+}
+
+/* All rows, some at a time, into the sink. */
+static bool take_rows(struct wanted *wanted, const struct rnd_picture *picture)
+{
+    enum { STRIP_BYTES = 4 << 20 };
+    const size_t row = (size_t)picture->width * (size_t)picture->channels *
+                       (picture->bytes ? 1 : sizeof(float)),
+                 most = row < STRIP_BYTES ? STRIP_BYTES / row : 1;
+    uint8_t *strip = malloc(most * row);
+    bool ok = strip || fail(wanted, "not enough memory");
+    for (int y = 0, rows; ok && y < picture->height; y += rows) {
+        const size_t left = (size_t)(picture->height - y);
+        rows = (int)(left < most ? left : most);
+        for (size_t at = 0, all = (size_t)rows * row; ok && at < all;) {
+            enum rnd_image_packet kind;
+            const ssize_t got = receive_packet(wanted, &kind, strip + at, all - at);
+            if (got > 0 && kind == RND_IMAGE_DATA)
+                at += (size_t)got;
+            else
+                ok = got >= 0 && take_error(wanted, kind, strip + at, (size_t)got);
+        }
+        ok = ok && (wanted->sink->rows(wanted->sink, y, rows, strip) || fail(wanted, "not enough memory"));
+    }
+    free(strip);
+    return ok;
+}
+
+static bool take(struct wanted *wanted, bool want_bytes)
+{
+    char text[RND_ERROR_SIZE];
+    struct rnd_picture picture;
+    enum rnd_image_packet kind;
+    _Static_assert(sizeof picture <= sizeof text, "either comes first");
+    ssize_t got = receive_packet(wanted, &kind, text, sizeof text - 1);
+    if (got >= 0 && kind == RND_IMAGE_BEGIN && got == sizeof picture) {
+        memcpy(&picture, text, sizeof picture);
+        if (!is_picture(&picture, want_bytes)) return fail(wanted, "image size out of range");
+        if (!wanted->sink->begin(wanted->sink, &picture)) return fail(wanted, "not enough memory");
+        if (!take_rows(wanted, &picture)) return false;
+        got = receive_packet(wanted, &kind, text, sizeof text - 1);
+    }
+    if (got < 0 || kind == RND_IMAGE_END) return got >= 0;
+    return take_error(wanted, kind, text, (size_t)got);
+}
+
+bool rnd_image_read_apart(struct rnd_image_reader *reader, const char *path, const void *memory, size_t count,
+                          enum rnd_pixels_use use, bool want_bytes, struct rnd_pixels_sink *sink,
+                          char *out_error, size_t error_size)
+{
+    struct wanted wanted = {
+        .reader = reader, .path = path, .sink = sink, .error = out_error, .error_size = error_size};
+    const struct rnd_scene_options options = {.reader_mib = reader->limits.mib,
+                                              .reader_seconds = reader->limits.seconds};
+    bool ok = false;
+    wanted.limits = rnd_reader_limits(&options, path);
+    for (int turn = 0; turn < 2 && !ok && (turn == 0 || wanted.lost); turn++) {
+        wanted.lost = false;
+        wanted.last = time(NULL) + 2 * (time_t)wanted.limits.seconds * RND_READER_PATIENCE;
+        if (reader->socket < 0 && !get_copy(reader, out_error, error_size)) return false;
+        ok = ask(&wanted, memory, count, use, want_bytes) && take(&wanted, want_bytes);
+        if (!ok) rnd_image_reader_finish(reader); /* nothing is known of what it does now */
+    }
+    return ok;
+}
+
+void rnd_image_reader_finish(struct rnd_image_reader *reader)
+{
+    if (reader->socket >= 0) close(reader->socket);
+    reader->socket = -1;
+}

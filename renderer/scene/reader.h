@@ -1,0 +1,52 @@
+/* Programs that read files for this one: a file that crashes its reader, or makes it take memory or time
+ * without end, takes nothing else with it.
+ *
+ * fovead-reader reads a scene file and hands it over in memory that nobody can write any more (flat.h). It
+ * lies beside the program that starts it.
+ */
+#ifndef FOVEAD_RENDERER_READER_H
+#define FOVEAD_RENDERER_READER_H
+
+#include "renderer.h"
+
+#include <sys/types.h>
+
+/* How a reader ends: 0 if all went well, else these. */
+enum { RND_READER_REFUSES = 1, RND_READER_MEMORY = 3 };
+/* It is stopped after so many times its processor time has passed: it waits for something that does not come.
+ */
+enum { RND_READER_PATIENCE = 10 };
+
+struct rnd_reader_limits {
+    uint32_t mib;     /* of memory, besides its own code */
+    uint32_t seconds; /* of processor time */
+};
+
+/* What the options say; else 4096 MiB, or half of the machine's memory if that is less, and 20 s and one more
+ * for every 2 MiB of the file. */
+struct rnd_reader_limits rnd_reader_limits(const struct rnd_scene_options *options, const char *path);
+
+/* In the reader, first of all: end with the parent, and at this limit of memory. */
+void rnd_reader_begin(pid_t parent, uint32_t mib);
+/* In the reader, for each file: end after so much more processor time; 0: at no time. */
+void rnd_reader_limit_time(uint32_t seconds);
+
+/* Start a program beside this one; count descriptors become its 3, 4, ...; it has no others, nor the token of
+ * the environment. 0 and a line in out_error on failure. */
+pid_t rnd_reader_start(const char *name, char *const arguments[], const int *fd, int count,
+                       char out_error[RND_ERROR_SIZE]);
+/* "the reader crashed (signal 11)" and the like, of a status as wait() gives it that is neither success nor
+ * RND_READER_REFUSES. */
+void rnd_reader_why(int status, const struct rnd_reader_limits *limits, char *out, size_t size);
+
+/* image_reader.c: start the one that reads pictures, if it does not run. */
+void rnd_readers_expect(struct rnd_readers *readers);
+
+struct rnd_scene;
+
+/* Read the scene's file by fovead-reader: geometry, materials, punctual lights, and which textures there are.
+ * False and a line in out_error. */
+bool rnd_scene_read(struct rnd_scene *scene, const struct rnd_scene_options *options,
+                    char out_error[RND_ERROR_SIZE]);
+
+#endif
