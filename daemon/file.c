@@ -189,15 +189,14 @@ void dmn_file_drop(struct dmn_file *file)
     finish(file);
 }
 
-/* A file without a name gets one: the path, if that is free; else that of a part. */
+/* A file without a name gets that of a part. It could get the path at once where that is free, but programs
+ * that wait for files to be closed or moved there would not see it come. */
 static bool give_name(struct dmn_file *file)
 {
     char self[32];
 
     snprintf(self, sizeof(self), "/proc/self/fd/%d", fileno(file->file));
-    if (!linkat(AT_FDCWD, self, AT_FDCWD, file->path, AT_SYMLINK_FOLLOW)) return true;
-    if (errno != EEXIST || !file->replace) return false;
-    for (int i = 0; i < TRIES && !file->named && errno == EEXIST; i++)
+    for (int i = 0; i < TRIES && !file->named && (i == 0 || errno == EEXIST); i++)
         file->named = name_part(file) && !linkat(AT_FDCWD, self, AT_FDCWD, file->part, AT_SYMLINK_FOLLOW);
     return file->named;
 }
@@ -208,7 +207,6 @@ static bool move_into_place(struct dmn_file *file)
     bool moved;
 
     if (!file->named && !give_name(file)) return false;
-    if (!file->named) return true;
     moved = !renameat2(AT_FDCWD, file->part, AT_FDCWD, file->path, flags);
     /* Where the file system cannot tell, dmn_file_begin() has: the path was free. */
     if (!moved && (errno == EINVAL || errno == ENOSYS)) moved = !rename(file->part, file->path);

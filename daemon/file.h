@@ -16,8 +16,8 @@ enum { DMN_FILE_ERROR_SIZE = 512 };
 struct dmn_file {
     FILE *file; /* to write to, at any place */
     char *path;
-    char *part; /* its own name, or the one that it would get on the way to a path that is taken */
-    bool named; /* it has that name */
+    char *part; /* its own name */
+    bool named; /* it has that name; else, as yet, none */
     bool replace;
 };
 
