@@ -51,6 +51,6 @@ bool rnd_flat_put(struct rnd_scene *scene, int fd);
 
 /* flat_take.c: fill a scene from scene->flat, of scene->flat_bytes, which its meshes go on using. False with
  * what is wrong, as "a mesh whose ...". */
-bool rnd_flat_take(struct rnd_scene *scene, const char *path, char *out_why, size_t size);
+bool rnd_flat_take(struct rnd_scene *scene, char *out_why, size_t size);
 
 #endif

@@ -11,7 +11,6 @@
 
 struct take {
     struct rnd_scene *scene;
-    const char *path;
     const uint8_t *bytes;
     size_t size;
     char *why;
@@ -295,9 +294,9 @@ static bool take_rest(struct take *take, const struct rnd_flat_head *head)
     return scene->info.triangles > 0 || fail(take, "no triangle");
 }
 
-bool rnd_flat_take(struct rnd_scene *scene, const char *path, char *out_why, size_t size)
+bool rnd_flat_take(struct rnd_scene *scene, char *out_why, size_t size)
 {
-    struct take take = {scene, path, scene->flat, scene->flat_bytes, out_why, size};
+    struct take take = {scene, scene->flat, scene->flat_bytes, out_why, size};
     struct rnd_flat_head head;
     if (take.size < sizeof head) return fail(&take, "less than a scene");
     memcpy(&head, take.bytes, sizeof head);

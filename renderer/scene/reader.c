@@ -153,7 +153,7 @@ static bool take_over(struct rnd_scene *scene, int memory, const char *path, cha
         return false;
     }
     scene->flat_bytes = (size_t)size;
-    if (rnd_flat_take(scene, path, why, sizeof why)) return true;
+    if (rnd_flat_take(scene, why, sizeof why)) return true;
     snprintf(out_error, RND_ERROR_SIZE, "%.200s: the reader handed over %.200s", path, why);
     return false;
 }

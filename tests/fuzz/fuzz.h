@@ -13,6 +13,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 #ifndef LIBFUZZER
 
+#include <ctype.h>
 #include <dirent.h>
 
 struct fuzz_seed {
@@ -50,6 +51,24 @@ static inline size_t fuzz_spoil(uint64_t *state, uint8_t *input, size_t size, si
         memmove(input + at + 1, input + at, size - at);
         return size + 1;
     }
+}
+
+/* Put something else in the place of a number. */
+static inline size_t fuzz_spoil_number(uint64_t *state, char *text, size_t size, size_t room)
+{
+    static const char *const others[] = {
+        "0",   "1",     "2",     "3",    "-1", "7",  "255",    "65536", "4294967295", "4294967296", "1e300",
+        "0.5", "1e-40", "\"x\"", "null", "[]", "{}", "999999", "5121",  "5123",       "5126"};
+    size_t at = fuzz_noise(state) % size, end;
+    while (at < size && !isdigit((unsigned char)text[at])) at++;
+    while (at > 0 && (isalnum((unsigned char)text[at - 1]) || strchr("-+.", text[at - 1]))) at--;
+    for (end = at; end < size && (isalnum((unsigned char)text[end]) || strchr("-+.", text[end]));) end++;
+    const char *other = others[fuzz_noise(state) % (sizeof others / sizeof *others)];
+    const size_t length = strlen(other);
+    if (at >= size || size - (end - at) + length > room) return size;
+    memmove(text + at + length, text + end, size - end);
+    memcpy(text + at, other, length);
+    return size - (end - at) + length;
 }
 
 /* rounds inputs, each a seed with up to 7 changes, in a heap block of its exact size. */

@@ -6,8 +6,7 @@
  *       tests/fuzz/renderer_gltf.c $BUILD/renderer/librenderer.a ...
  */
 #include "fuzz.h"
-
-#include "scene/scene.h"
+#include "scene_check.h"
 
 #include <unistd.h>
 
@@ -32,35 +31,6 @@ static void make_files(void)
     atexit(tidy);
 }
 
-static void check_map(const struct rnd_scene *scene, const struct rnd_map *map)
-{
-    if (map->texture >= (int)scene->texture_count || map->uv_set > 1) abort();
-}
-
-static void check(const struct rnd_scene *scene)
-{
-    if (scene->mesh_count == 0 || scene->info.triangles == 0) abort();
-    for (uint32_t m = 0; m < scene->mesh_count; m++) {
-        const struct rnd_mesh *mesh = &scene->mesh[m];
-        if (mesh->material >= scene->material_count) abort();
-        for (size_t i = 0; i < 3 * (size_t)mesh->vertices; i++)
-            if (!isfinite(mesh->position[i]) || (mesh->normal && !isfinite(mesh->normal[i]))) abort();
-        for (size_t i = 0; mesh->colour && i < 4 * (size_t)mesh->vertices; i++)
-            if (!(mesh->colour[i] >= 0.0f && mesh->colour[i] <= 1.0f)) abort();
-        for (uint32_t t = 0; t < mesh->triangles; t++)
-            for (int k = 0; k < 3; k++)
-                if (mesh->index[t][k] >= mesh->vertices) abort();
-    }
-    for (uint32_t i = 0; i < scene->instance_count; i++)
-        if (!scene->mesh[scene->instance[i].mesh].instanced) abort();
-    for (uint32_t i = 0; i < scene->material_count; i++) {
-        const struct rnd_material *m = &scene->material[i];
-        if (!isfinite(m->roughness + m->metallic + m->ior + m->base.x + m->emission.x + m->absorption.x))
-            abort();
-        for (int use = 0; use < RND_MAPS; use++) check_map(scene, &m->map[use]);
-    }
-}
-
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     struct rnd_scene *scene = calloc(1, sizeof *scene);
@@ -69,7 +39,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     FILE *out = fopen(file[0], "wb");
     if (!out || !scene || fwrite(data, 1, size, out) != size || fclose(out) != 0) abort();
     if (rnd_import(scene, file[0], error))
-        check(scene);
+        scene_check(scene);
     else if (!*error || strchr(error, '\n'))
         abort();
     rnd_scene_destroy(scene);
@@ -77,26 +47,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 }
 
 #ifndef LIBFUZZER
-
-#include <ctype.h>
-
-/* Put something else in the place of a number. */
-static size_t spoil_number(uint64_t *state, char *text, size_t size, size_t room)
-{
-    static const char *const others[] = {
-        "0",   "1",     "2",     "3",    "-1", "7",  "255",    "65536", "4294967295", "4294967296", "1e300",
-        "0.5", "1e-40", "\"x\"", "null", "[]", "{}", "999999", "5121",  "5123",       "5126"};
-    size_t at = fuzz_noise(state) % size, end;
-    while (at < size && !isdigit((unsigned char)text[at])) at++;
-    while (at > 0 && (isalnum((unsigned char)text[at - 1]) || strchr("-+.", text[at - 1]))) at--;
-    for (end = at; end < size && (isalnum((unsigned char)text[end]) || strchr("-+.", text[end]));) end++;
-    const char *other = others[fuzz_noise(state) % (sizeof others / sizeof *others)];
-    const size_t length = strlen(other);
-    if (at >= size || size - (end - at) + length > room) return size;
-    memmove(text + at + length, text + end, size - end);
-    memcpy(text + at, other, length);
-    return size - (end - at) + length;
-}
 
 /* Every file of the folder with up to six numbers of its JSON changed. */
 static void spoil_numbers(const char *folder, int rounds)
@@ -116,7 +66,7 @@ static void spoil_numbers(const char *folder, int rounds)
             size_t size = whole;
             memcpy(input, seed, whole);
             for (uint64_t hits = 1 + fuzz_noise(&state) % 6; hits > 0; hits--)
-                size = spoil_number(&state, input, size, sizeof input);
+                size = fuzz_spoil_number(&state, input, size, sizeof input);
             LLVMFuzzerTestOneInput((const uint8_t *)input, size);
         }
     }
