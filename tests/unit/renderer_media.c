@@ -124,7 +124,7 @@ static void furnaces(void **state)
                  */
                 const struct rnd_aim aim = files_aim(0, 0, -1);
                 const double mean =
-                    files_radiance(scene, r || !e ? "od" : "fv", 0, 100000, &aim, r || !e ? 180 : 20, NULL);
+                    files_radiance(scene, r || !e ? "od" : "fv", 0, 70000, &aim, r || !e ? 180 : 20, NULL);
                 print_message("%-36s roughness %.2f, eye %d: %.4f\n", worlds[k].name, roughness[r], e, mean);
                 wrong += !(fabs(mean - 1) < 0.01);
                 rnd_scene_destroy(scene);
