@@ -1,5 +1,8 @@
-/* What the fuzz targets share: a bounded run over random changes of valid inputs, from a fixed
- * seed, for when they are built as tests. With -DLIBFUZZER none of this is there, and libFuzzer drives. */
+/* What the fuzz targets share: a bounded run over random changes of valid inputs, from a fixed seed, for when they are
+ * built as tests. With -DLIBFUZZER none of this is there, and libFuzzer drives, for as long as it is let:
+ *   CC=clang CXX=clang++ cmake -S . -B build/fuzz -G Ninja -DFUZZ=ON -DSANITIZE=address,undefined
+ *   cmake --build build/fuzz --target fuzz
+ *   build/fuzz/fuzz_protocol_picture -max_len=4096 found tests/fuzz/corpus/picture     # found: a folder for new inputs */
 #ifndef FOVEAD_TEST_FUZZ_H
 #define FOVEAD_TEST_FUZZ_H
 

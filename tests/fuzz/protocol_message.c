@@ -1,11 +1,5 @@
-/* Fuzzing of what a peer can send: bytes to frames to messages to tiles.
- *
- * As it is built here it is a test of its own, that changes valid streams at random from a fixed seed. With
- * libFuzzer:
- *   clang -g -fsanitize=fuzzer,address,undefined -DLIBFUZZER -Iprotocol -I$BUILD/protocol
- * tests/fuzz/protocol_message.c \ protocol/[a-z]*.c protocol/encoding/[a-z]*.c $BUILD/protocol/fovea.pb-c.c
- * -D_GNU_SOURCE -lprotobuf-c -lzstd -ljpeg -lm
- */
+/* Fuzzing of what a peer can send: bytes to frames to messages to tiles. As a test of its own it changes a valid stream at
+ * random from a fixed seed; for libFuzzer see fuzz.h. */
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>

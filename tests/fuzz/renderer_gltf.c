@@ -1,10 +1,6 @@
 /* Fuzzing of the glTF reader: any bytes either are a scene whose parts hold together, or one line of error.
  *
- * As it is built here it is a test of its own that starts from the small files in corpus/gltf and spoils
- * their bytes (fuzz.h) and their numbers. With libFuzzer (Embree and OpenImageIO come with the library):
- *   clang -g -O1 -fsanitize=fuzzer,address,undefined -DLIBFUZZER -D_GNU_SOURCE -Irenderer -Itests/fuzz \
- *       tests/fuzz/renderer_gltf.c $BUILD/renderer/librenderer.a ...
- */
+ * As a test of its own it starts from the small files in corpus/gltf and spoils their bytes and their numbers. See fuzz.h. */
 #include "fuzz.h"
 #include "scene_check.h"
 

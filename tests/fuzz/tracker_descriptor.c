@@ -1,10 +1,4 @@
-/* Fuzzing of HID report descriptors: any bytes are a layout that holds together, or one line of error.
- *
- * As it is built here it is a test of its own (fuzz.h). With libFuzzer:
- *   clang -g -O1 -fsanitize=fuzzer,address,undefined -DLIBFUZZER -D_GNU_SOURCE -Itracker \
- *       tests/fuzz/tracker_descriptor.c tracker/hid_descriptor.c tracker/error.c -lm
- *   ./a.out -runs=50000000 $(mktemp -d) tests/fuzz/corpus/descriptor
- */
+/* Fuzzing of HID report descriptors: any bytes are a layout that holds together, or one line of error. See fuzz.h. */
 #include "fuzz.h"
 
 #include "hid_descriptor.h"

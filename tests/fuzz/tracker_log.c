@@ -2,13 +2,7 @@
  * or are refused with one line.
  *
  * An input that begins with '{' and holds an empty line is a BIDS log: the sidecar, then the table. The rest
- * is a file as it is. As it is built here it is a test of its own (fuzz.h) that starts from the small logs in
- * corpus/log. With libFuzzer, for one format by a corpus of its logs alone:
- *   clang -g -O1 -fsanitize=fuzzer,address,undefined -DLIBFUZZER -D_GNU_SOURCE -Itracker -Itests/fuzz \
- *       $(pkg-config --cflags hidapi-hidraw libusb-1.0) tests/fuzz/tracker_log.c tracker/[a-z]*.c
- * tracker/log/[a-z]*.c \ tracker/source/[a-z]*.c -ljansson -lz $(pkg-config --libs hidapi-hidraw libusb-1.0)
- * -lm
- */
+ * is a file as it is. See fuzz.h; for one format, give libFuzzer a corpus of its logs alone. */
 #include "fuzz.h"
 
 #include "log/own.h"

@@ -1,12 +1,7 @@
 /* Fuzzing of what eye trackers send: HID reports under a layout, and packets of vendor USB; and of the stamps
  * in both, through the clock. What comes out is finite, in range, of unit length, and goes on in time.
  *
- * The first byte chooses: a descriptor of the tests, a descriptor that the input brings along, or a packet.
- * As it is built here it is a test of its own (fuzz.h). With libFuzzer:
- *   clang -g -O1 -fsanitize=fuzzer,address,undefined -DLIBFUZZER -D_GNU_SOURCE -Itracker \
- *       tests/fuzz/tracker_report.c tracker/hid_descriptor.c tracker/hid_report.c tracker/psvr2_packet.c \
- *       tracker/clock.c tracker/error.c -lm
- */
+ * The first byte chooses: a descriptor of the tests, a descriptor that the input brings along, or a packet. See fuzz.h. */
 #include "fuzz.h"
 
 #include "clock.h"

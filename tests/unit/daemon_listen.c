@@ -21,7 +21,7 @@
 
 #include "listen.h"
 
-enum { DAEMONS = 6, ROUNDS = 200, SOMEBODY_ELSE = 65534 };
+enum { DAEMONS = 6, ROUNDS = 50, SOMEBODY_ELSE = 65534 };
 
 static char folder[64];
 static struct pro_address address;

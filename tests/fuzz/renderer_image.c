@@ -1,0 +1,88 @@
+/* Fuzzing of pictures that scenes and users name: any bytes either are pixels, all of them there, or one line
+ * of error.
+ *
+ * The first byte chooses how the file is called and what it is read for, the rest is the file. See fuzz.h.
+ * What a picture says of its size is a stranger's word: there is memory for small ones alone, as there is
+ * little in a child that reads a scene. */
+#include "fuzz.h"
+
+#include "scene/image_io.h"
+
+#include <math.h>
+#include <sys/resource.h>
+
+enum { ROOM = 512 << 20 }; /* bytes */
+
+#if defined(__SANITIZE_ADDRESS__)
+#define HAS_SANITIZER 1
+#elif defined(__has_feature)
+#define HAS_SANITIZER __has_feature(address_sanitizer)
+#else
+#define HAS_SANITIZER 0
+#endif
+
+/* A limit of addresses is not for sanitizers, which take all of them. What libraries have allocated when they
+ * meet the end of a picture, and leave by longjmp(), is lost (OpenImageIO 2.4.7, libpng): not a fault of
+ * ours. */
+const char *__asan_default_options(void);
+const char *__asan_default_options(void)
+{
+    return "detect_leaks=0:allocator_may_return_null=1:quarantine_size_mb=1";
+}
+
+static void limit(void)
+{
+    struct rlimit addresses = {ROOM, RLIM_INFINITY};
+    long pages = 0;
+    FILE *statm = fopen("/proc/self/statm", "r");
+    if (HAS_SANITIZER || !statm || fscanf(statm, "%ld", &pages) != 1) abort();
+    fclose(statm);
+    addresses.rlim_cur += (rlim_t)pages * 4096;
+    if (setrlimit(RLIMIT_AS, &addresses) != 0) abort();
+}
+
+static void check(const struct rnd_pixels *pixels, bool want_bytes)
+{
+    const size_t count = (size_t)pixels->width * (size_t)pixels->height * (size_t)pixels->channels;
+    volatile double sum = 0;
+    if (pixels->width < 1 || pixels->height < 1 || pixels->channels < 1 ||
+        pixels->channels > RND_MAX_CHANNELS)
+        abort();
+    if (!pixels->bytes == !pixels->floats || (pixels->bytes && !want_bytes)) abort();
+    for (size_t i = 0; i < count; i++)
+        sum += pixels->bytes ? (double)pixels->bytes[i] : (double)pixels->floats[i];
+    for (int c = 0; c < pixels->channels; c++)
+        if (strnlen(pixels->channel_names[c], sizeof pixels->channel_names[c]) ==
+            sizeof pixels->channel_names[c])
+            abort();
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static const char *const names[] = {"x.png", "x.jpg", "x.exr", "x.hdr", "x.tga", "x.bmp", "x.tif", "x"};
+    static bool limited;
+    struct rnd_pixels pixels;
+    char error[256] = "";
+    if (size < 2) return 0;
+    if (!limited && !HAS_SANITIZER) limit();
+    limited = true;
+    const enum rnd_pixels_use use = (enum rnd_pixels_use)(data[0] >> 3 & 3);
+    const bool want_bytes = data[0] & 32;
+    if (use > RND_PIXELS_COLOUR) return 0;
+    if (rnd_pixels_read(names[data[0] & 7], data + 1, size - 1, use, want_bytes, &pixels, error,
+                        sizeof error))
+        check(&pixels, want_bytes);
+    else if (!*error || strpbrk(error, "\r\n") || pixels.bytes || pixels.floats)
+        abort();
+    rnd_pixels_finish(&pixels);
+    return 0;
+}
+
+#ifndef LIBFUZZER
+
+int main(void)
+{
+    return fuzz_run_corpus(CORPUS, HAS_SANITIZER ? 300 : 20000);
+}
+
+#endif

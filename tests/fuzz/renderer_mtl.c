@@ -1,0 +1,84 @@
+/* Fuzzing of what is read of an OBJ and its MTL beside assimp: any text gives materials whose numbers can be
+ * used.
+ *
+ * What stands before a line of three dashes is the OBJ, the rest its x.mtl; without such a line all is x.mtl.
+ * See fuzz.h. */
+#include "fuzz.h"
+
+#include "scene/mtl_file.h"
+#include "scene/scene.h"
+
+#include <math.h>
+#include <unistd.h>
+
+static char folder[64], obj[80], mtl[80]; /* the folder with its slash */
+
+static void tidy(void)
+{
+    unlink(obj);
+    unlink(mtl);
+    rmdir(folder);
+}
+
+static void make_folder(void)
+{
+    strcpy(folder, access("/dev/shm", W_OK) ? "/tmp/fuzz_mtl.XXXXXX" : "/dev/shm/fuzz_mtl.XXXXXX");
+    if (!mkdtemp(folder)) abort();
+    strcat(folder, "/");
+    snprintf(obj, sizeof obj, "%.60sx.obj", folder);
+    snprintf(mtl, sizeof mtl, "%.60sx.mtl", folder);
+    atexit(tidy);
+}
+
+static void put(const char *path, const void *bytes, size_t count)
+{
+    FILE *file = fopen(path, "wb");
+    if (!file || fwrite(bytes, 1, count, file) != count || fclose(file) != 0) abort();
+}
+
+static void check(const struct rnd_mtl_file *file)
+{
+    for (int i = 0; i < file->count; i++) {
+        const struct rnd_mtl_material *m = &file->material[i];
+        if (m->library < 0 || m->library >= file->libraries || !m->name) abort();
+        /* To the last of that name: another one, or this. */
+        if (!rnd_mtl_file_find(file, m->name)) abort();
+        if (!isfinite(m->bump)) abort();
+        for (int k = 0; k < RND_MTL_MAPS; k++)
+            for (int c = 0; c < 2; c++)
+                if (!isfinite(m->scale[k][c]) || !isfinite(m->offset[k][c])) abort();
+    }
+    for (int i = 0; i < file->libraries; i++) {
+        const size_t length = strnlen(file->directory[i], RND_PATH_SIZE);
+        if (length == RND_PATH_SIZE || (length && file->directory[i][length - 1] != '/')) abort();
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static const char plain[] = "mtllib x.mtl\n";
+    const uint8_t *dashes = size ? memmem(data, size, "---\n", 4) : NULL;
+    struct rnd_mtl_file file;
+    struct rnd_warnings warnings = {0};
+    if (!*folder) make_folder();
+    if (dashes) {
+        put(obj, data, (size_t)(dashes - data));
+        put(mtl, dashes + 4, size - 4 - (size_t)(dashes - data));
+    } else {
+        put(obj, plain, strlen(plain));
+        put(mtl, data, size);
+    }
+    if (rnd_mtl_file_read(&file, obj, folder, &warnings)) check(&file);
+    rnd_mtl_file_finish(&file);
+    free(warnings.text);
+    return 0;
+}
+
+#ifndef LIBFUZZER
+
+int main(void)
+{
+    return fuzz_run_corpus(CORPUS, 20000);
+}
+
+#endif
