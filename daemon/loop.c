@@ -12,6 +12,7 @@
 
 enum {
     MOST_CLIENTS = 64,
+    MOST_STRANGERS = 16, /* of them, whose token has not been looked at: they leave room for others */
     MOST_FDS = MOST_CLIENTS + DMN_MAX_LISTEN + 16, /* and what libwebsockets needs itself */
     BURST = 8,                                     /* frames to one client before others have their turn */
 };
@@ -33,6 +34,7 @@ struct peer {
     struct peer *next;
     struct lws *wsi;
     struct dmn_session *session;
+    bool needs_token;
 };
 
 struct dmn_loop {
@@ -211,14 +213,28 @@ static struct dmn_loop *loop_of(struct lws *wsi)
     return lws_context_user(lws_get_context(wsi));
 }
 
-/* Told why, as far as the socket takes it at once. */
-static void turn_away(int fd, const char *name)
+/* Is there no room for one more client of this listener? Then why, in at least 96 bytes. */
+static bool is_full(const struct dmn_loop *loop, const struct dmn_listener *listener, char *out_why,
+                    size_t size)
 {
-    char why[64], unread[4096];
+    unsigned strangers = 0;
+
+    for (const struct peer *peer = loop->peers; peer; peer = peer->next)
+        strangers += peer->needs_token && !dmn_session_greeted(peer->session);
+    snprintf(out_why, size, "%d clients are connected, which is the most", MOST_CLIENTS);
+    if (loop->common->clients >= MOST_CLIENTS) return true;
+    snprintf(out_why, size, "%d clients are connected that have shown no token, which is the most",
+             MOST_STRANGERS);
+    return listener->token && strangers >= MOST_STRANGERS;
+}
+
+/* Told why, as far as the socket takes it at once. */
+static void turn_away(int fd, const char *name, const char *why)
+{
+    char unread[4096];
     uint8_t *frame;
     size_t count;
 
-    snprintf(why, sizeof(why), "%d clients are connected, which is the most", MOST_CLIENTS);
     dmn_print(stderr, "fovead: client (%s) turned away: %s\n", name, why);
     frame = dmn_farewell(why, 0, &count);
     if (frame) (void)!send(fd, frame, count, MSG_DONTWAIT | MSG_NOSIGNAL);
@@ -253,6 +269,7 @@ static void welcome_in(struct dmn_loop *loop, struct dmn_listener *listener, int
         free(peer);
         return;
     }
+    peer->needs_token = listener->token;
     peer->next = loop->peers;
     loop->peers = peer;
 }
@@ -262,6 +279,7 @@ static int on_listener(struct lws *wsi, enum lws_callback_reasons reason, void *
     struct dmn_listener *listener;
     struct dmn_loop *loop;
     struct dmn_peer from;
+    char why[96];
     int fd;
 
     (void)user, (void)in, (void)size;
@@ -269,10 +287,10 @@ static int on_listener(struct lws *wsi, enum lws_callback_reasons reason, void *
     loop = loop_of(wsi);
     listener = lws_get_opaque_user_data(wsi);
     while ((fd = dmn_listener_accept(listener, &from)) >= 0)
-        if (loop->common->clients < MOST_CLIENTS)
-            welcome_in(loop, listener, fd, &from);
+        if (is_full(loop, listener, why, sizeof(why)))
+            turn_away(fd, from.name, why);
         else
-            turn_away(fd, from.name);
+            welcome_in(loop, listener, fd, &from);
     return 0;
 }
 

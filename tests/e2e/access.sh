@@ -34,7 +34,7 @@ done
 "$foveactl" --connect "unix:$place/own" stats >/dev/null || fail "a client that needs no token is not served"
 for guesser in $guessers; do if wait "$guesser"; then fail "a guess opened: $(cat guess.*.out)"; fi; done
 cat guess.*.err >guesses
-[ "$(grep -c 'token is wrong\|too many wrong tokens' guesses)" = 16 ] || fail "$(cat guesses)"
+[ "$(grep -c 'token is wrong\|too many wrong tokens\|shown no token' guesses)" = 16 ] || fail "$(cat guesses)"
 FOVEAD_TOKEN=sesame-opens "$foveactl" --connect "$local" stats >/dev/null || fail "the token does not open after guesses"
 # Nothing that is said, or that other users can see of a process, holds a token.
 if grep -q -e sesame -e guess- daemon.out daemon.err guesses refused.err; then fail "a token was printed"; fi
@@ -46,6 +46,8 @@ for place_of in "unix:$place/own" "$local"; do
     is_empty() { "$foveactl" --connect "unix:$place/own" stats >stats.txt && grep -q '^clients   1$' stats.txt; }
     await 'room for other clients' is_empty
 done
+# Who shows no token does not take everybody's room.
+"$programs/e2e_hostile" "$local" strangers 2>strangers.err || fail "silent strangers: $(cat strangers.err)"
 grep -q 'turned away: 64 clients are connected' daemon.err || fail "$(cat daemon.err)"
 stop
 

@@ -2,6 +2,7 @@
  * it. Status 0 if that is right: dropped, or for a deaf client kept. */
 #include <errno.h>
 #include <math.h>
+#include <netinet/in.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -117,6 +118,33 @@ static int crowd(const char *place)
     return 1;
 }
 
+/* On a port of loopback as many connections as there is room for clients, of which none says anything: those
+ * that would take the room of who needs no token are turned away. */
+static int strangers(const char *place)
+{
+    enum { ROOM = 64 };
+    struct sockaddr_in name = {.sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    int fd[ROOM], away = 0;
+
+    name.sin_port = htons((uint16_t)atoi(strrchr(place, ':') + 1));
+    for (int i = 0; i < ROOM; i++) {
+        fd[i] = socket(AF_INET, SOCK_STREAM, 0);
+        if (connect(fd[i], (struct sockaddr *)&name, sizeof(name))) return perror(place), 2;
+    }
+    for (int i = 0; i < ROOM; i++) {
+        char said[512] = "";
+        struct pollfd wait = {.fd = fd[i], .events = POLLIN};
+
+        /* Whoever is in is dropped some time later, for another reason. */
+        if (poll(&wait, 1, PATIENCE_MS) == 1 && recv(fd[i], said, sizeof(said) - 1, 0) > 0)
+            away += memmem(said, sizeof(said), "have shown no token", 19) != NULL;
+    }
+    for (int i = 0; i < ROOM; i++) close(fd[i]);
+    if (away == 48) return 0;
+    fprintf(stderr, "%d of %d were turned away, where 48 were expected\n", away, ROOM);
+    return 1;
+}
+
 /* Asks without end and reads nothing: dropped, or not listened to any more; either way it takes no memory. */
 static int flood(int fd)
 {
@@ -180,6 +208,7 @@ int main(int argc, char **argv)
 
     if (argc != 3) return 2;
     if (!strcmp(argv[2], "crowd")) return crowd(argv[1]);
+    if (!strcmp(argv[2], "strangers")) return strangers(argv[1]);
     fd = dial(argv[1]);
     if (!strcmp(argv[2], "noise")) return noise(fd);
     if (!strcmp(argv[2], "huge")) return length(fd, "\200\0\0\0");
