@@ -511,6 +511,6 @@ void dmn_gaze_tell_recording(struct dmn_gaze *gaze)
     }
     pthread_mutex_unlock(&gaze->lock);
     if (tell)
-        fprintf(stderr, "fovead: %s; %llu samples are lost, %s\n", now.error, (unsigned long long)now.lost,
-                now.failing ? "the newest wait until there is room" : "the recording goes on");
+        dmn_print(stderr, "fovead: %s; %llu samples are lost, %s\n", now.error, (unsigned long long)now.lost,
+                  now.failing ? "the newest wait until there is room" : "the recording goes on");
 }

@@ -93,8 +93,10 @@ struct pro_client *ctl_connect(const struct ctl *ctl, Fovea__Encoding tiles, boo
 /* Send a message, and wait until the daemon has acted on it. */
 bool ctl_tell(struct pro_client *client, const Fovea__Message *message);
 
-/* The next message of that kind, within seconds; others are let go. NULL after a line on stderr. */
-Fovea__Message *ctl_await(struct pro_client *client, Fovea__Message__BodyCase body, double seconds);
+/* The next message of that kind, within seconds of from_ns (CLOCK_MONOTONIC); others are let go. NULL after a
+ * line on stderr. */
+Fovea__Message *ctl_await(struct pro_client *client, Fovea__Message__BodyCase body, uint64_t from_ns,
+                          double seconds);
 
 /* Send a request and print what its Done says was done; false after the line on stderr that says why not. */
 bool ctl_request(struct pro_client *client, const Fovea__Message *message, double seconds);

@@ -392,9 +392,10 @@ struct pro_client *ctl_connect(const struct ctl *ctl, Fovea__Encoding tiles, boo
     return client;
 }
 
-Fovea__Message *ctl_await(struct pro_client *client, Fovea__Message__BodyCase body, double seconds)
+Fovea__Message *ctl_await(struct pro_client *client, Fovea__Message__BodyCase body, uint64_t from_ns,
+                          double seconds)
 {
-    uint64_t end_ns = dmn_now_ns() + (uint64_t)(seconds * 1e9), now_ns;
+    uint64_t end_ns = from_ns + (uint64_t)(seconds * 1e9), now_ns;
     char error[PRO_ERROR_SIZE];
 
     while ((now_ns = dmn_now_ns()) < end_ns) {
@@ -420,7 +421,7 @@ bool ctl_request(struct pro_client *client, const Fovea__Message *message, doubl
     bool good;
 
     if (!pro_send(client, message, error)) return ctl_fail("%s", error);
-    if (!(answer = ctl_await(client, FOVEA__MESSAGE__BODY_DONE, seconds))) return false;
+    if (!(answer = ctl_await(client, FOVEA__MESSAGE__BODY_DONE, dmn_now_ns(), seconds))) return false;
     good = answer->done->ok;
     if (good)
         dmn_print(stdout, "%s\n", answer->done->text);
@@ -437,7 +438,7 @@ bool ctl_tell(struct pro_client *client, const Fovea__Message *message)
     Fovea__Message message_ping = FOVEA__MESSAGE__INIT;
     Fovea__Ping ping = FOVEA__PING__INIT;
     char error[PRO_ERROR_SIZE];
-    uint64_t client_ns;
+    uint64_t client_ns, sent_ns = dmn_now_ns();
 
     /* The client library asks the time as well: its own questions never carry this. */
     ping.client_ns = UINT64_MAX;
@@ -446,7 +447,7 @@ bool ctl_tell(struct pro_client *client, const Fovea__Message *message)
     if (!pro_send(client, message, error) || !pro_send(client, &message_ping, error))
         return ctl_fail("%s", error);
     do {
-        Fovea__Message *pong = ctl_await(client, FOVEA__MESSAGE__BODY_PONG, CTL_PATIENCE_S);
+        Fovea__Message *pong = ctl_await(client, FOVEA__MESSAGE__BODY_PONG, sent_ns, CTL_PATIENCE_S);
 
         if (!pong) return false;
         client_ns = pong->pong->client_ns;

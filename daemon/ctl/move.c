@@ -5,10 +5,10 @@
 #include "ctl.h"
 
 /* The next tile of that generation or a newer one, when it has come; false after a line on stderr. */
-static bool await_tile(struct pro_client *client, uint64_t generation)
+static bool await_tile(struct pro_client *client, uint64_t generation, uint64_t sent_ns)
 {
     for (;;) {
-        Fovea__Message *message = ctl_await(client, FOVEA__MESSAGE__BODY_TILE, CTL_PATIENCE_S);
+        Fovea__Message *message = ctl_await(client, FOVEA__MESSAGE__BODY_TILE, sent_ns, CTL_PATIENCE_S);
         bool there;
 
         if (!message) return false;
@@ -26,9 +26,9 @@ static bool tell(const struct ctl *ctl, struct pro_client *client, const Fovea__
     bool good;
 
     if (!pro_send(client, message, error)) return ctl_fail("%s", error);
-    if (!(answer = ctl_await(client, FOVEA__MESSAGE__BODY_DONE, CTL_PATIENCE_S))) return false;
+    if (!(answer = ctl_await(client, FOVEA__MESSAGE__BODY_DONE, sent_ns, CTL_PATIENCE_S))) return false;
     good = answer->done->ok || ctl_fail("%s", answer->done->text);
-    if (good && (good = await_tile(client, answer->done->generation))) {
+    if (good && (good = await_tile(client, answer->done->generation, dmn_now_ns()))) {
         double passed_ms = (double)(dmn_now_ns() - sent_ns) * 1e-6;
 
         if (ctl->json) {

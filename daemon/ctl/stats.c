@@ -83,7 +83,8 @@ static void print_json(const Fovea__Welcome *welcome, const Fovea__Stats *s)
 int ctl_stats(const struct ctl *ctl)
 {
     struct pro_client *client = ctl_connect(ctl, FOVEA__ENCODING__ENCODING_NONE, false, true);
-    Fovea__Message *message = client ? ctl_await(client, FOVEA__MESSAGE__BODY_STATS, CTL_PATIENCE_S) : NULL;
+    Fovea__Message *message =
+        client ? ctl_await(client, FOVEA__MESSAGE__BODY_STATS, dmn_now_ns(), CTL_PATIENCE_S) : NULL;
 
     if (message) {
         (ctl->json ? print_json : print_table)(pro_welcome(client), message->stats);
