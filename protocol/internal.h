@@ -12,8 +12,8 @@
  * and an error is one line. */
 bool pro_fail(char out_error[PRO_ERROR_SIZE], const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* Replace the control characters of a peer's text, which could otherwise drive a terminal. Writes only where
- * there is one, so protobuf-c's constant empty string is safe. */
+/* Replace the control characters (C0, DEL, C1) of a peer's text, which could otherwise drive a terminal.
+ * Writes only where there is one, so protobuf-c's constant empty string is safe. */
 void pro_clean(char *text);
 
 /* --- sockets ------------------------------------------------------------------------------------------- */

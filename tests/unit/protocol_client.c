@@ -58,7 +58,7 @@ static void receive_done(struct pro_client *client)
 static void send_done(struct server *server)
 {
     Fovea__Done done = FOVEA__DONE__INIT;
-    done.text = "line\nand \x1b[31mcolour";
+    done.text = "line\nand \x1b[31mcolour \xc2\x9b[2J \x9b[2J \x7f\xc3\x9f";
     server_send(server, FOVEA__MESSAGE__BODY_DONE, &done);
 }
 
@@ -89,7 +89,7 @@ static void tiles(bool tcp, Fovea__Encoding encoding, float tolerance)
     assert_true(pro_client_fd(client) >= 0);
     assert_true(pro_picture_coverage(pro_picture(client)) == 0);
     Fovea__Message *message = receive(client, FOVEA__MESSAGE__BODY_DONE);
-    assert_string_equal(message->done->text, "line?and ?[31mcolour");
+    assert_string_equal(message->done->text, "line?and ?[31mcolour ??[2J ?[2J ?\xc3\x9f");
     fovea__message__free_unpacked(message, NULL);
 
     assert_true(pro_picture_coverage(pro_picture(client)) == 0.5);
