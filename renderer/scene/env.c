@@ -32,14 +32,20 @@ struct filling {
     struct rnd_pixels_sink sink; /* first */
     struct rnd_env *env;
     size_t channels;
+    bool too_large;
     size_t bad, first; /* texels that are no radiance, and the first of them */
     float what;        /* is there */
 };
+
+/* 16384 x 8192: 2 GiB of texels, and 1 GiB of tables. */
+#define MOST_TEXELS ((int64_t)1 << 27)
 
 static bool begin(struct rnd_pixels_sink *sink, const struct rnd_picture *picture)
 {
     struct filling *filling = (struct filling *)(void *)sink;
     struct rnd_env *env = filling->env;
+    filling->too_large = (int64_t)picture->width * picture->height > MOST_TEXELS;
+    if (filling->too_large) return false;
     const size_t bytes =
         ((size_t)picture->width * (size_t)picture->height * sizeof *env->texel + 63) & ~(size_t)63;
     filling->channels = (size_t)picture->channels;
@@ -173,6 +179,11 @@ bool rnd_env_load(struct rnd_scene *scene, const char *path, float azimuth_deg,
         ok = rnd_image_read_apart(&reader, path, NULL, 0, RND_PIXELS_COLOUR, false, &filling.sink, text,
                                   sizeof text);
         rnd_image_reader_finish(&reader);
+    }
+    if (filling.too_large) {
+        snprintf(out_error, RND_ERROR_SIZE, "%.200s: more than %lld pixels, as 16384 x 8192 has", path,
+                 (long long)MOST_TEXELS);
+        return false;
     }
     if (!ok) {
         snprintf(out_error, RND_ERROR_SIZE, "%.200s: %s%s", path,

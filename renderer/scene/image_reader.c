@@ -112,7 +112,12 @@ struct wanted {
     struct rnd_reader_limits limits; /* of this file */
     time_t last;                     /* when patience ends */
     const char *path;
-    struct rnd_pixels_sink *sink;
+    const void *memory; /* NULL: it is a file */
+    size_t count;       /* bytes of that */
+    enum rnd_pixels_use use;
+    bool want_bytes;
+    struct rnd_pixels_sink *sink; /* NULL: only what it begins with is wanted */
+    struct rnd_picture picture;
     char *error;
     size_t error_size;
     bool lost; /* the copy has ended without a word of why: before it was one, as it seems */
@@ -173,15 +178,16 @@ static ssize_t receive_packet(struct wanted *wanted, enum rnd_image_packet *out_
     }
 }
 
-static bool ask(struct wanted *wanted, const void *memory, size_t count, enum rnd_pixels_use use,
-                bool want_bytes)
+static bool ask(struct wanted *wanted)
 {
     char packet[sizeof(struct rnd_image_request) + RND_IMAGE_MOST_PATH];
-    const size_t length = strlen(wanted->path);
+    const size_t length = strlen(wanted->path), count = wanted->count;
+    const void *memory = wanted->memory;
     const struct rnd_image_request request = {.file_bytes = memory ? count : 0,
                                               .in_memory = memory != NULL,
-                                              .use = use,
-                                              .want_bytes = want_bytes,
+                                              .use = wanted->use,
+                                              .want_bytes = wanted->want_bytes,
+                                              .size_only = !wanted->sink,
                                               .seconds = wanted->limits.seconds};
     if (length >= RND_IMAGE_MOST_PATH) return fail(wanted, strerror(ENAMETOOLONG));
     memcpy(packet, &request, sizeof request);
@@ -238,41 +244,59 @@ static bool take_rows(struct wanted *wanted, const struct rnd_picture *picture)
     return ok;
 }
 
-static bool take(struct wanted *wanted, bool want_bytes)
+static bool take(struct wanted *wanted)
 {
     char text[RND_ERROR_SIZE];
-    struct rnd_picture picture;
+    struct rnd_picture *picture = &wanted->picture;
     enum rnd_image_packet kind;
-    _Static_assert(sizeof picture <= sizeof text, "either comes first");
+    _Static_assert(sizeof *picture <= sizeof text, "either comes first");
     ssize_t got = receive_packet(wanted, &kind, text, sizeof text - 1);
-    if (got >= 0 && kind == RND_IMAGE_BEGIN && got == sizeof picture) {
-        memcpy(&picture, text, sizeof picture);
-        if (!is_picture(&picture, want_bytes)) return fail(wanted, "image size out of range");
-        if (!wanted->sink->begin(wanted->sink, &picture)) return fail(wanted, "not enough memory");
-        if (!take_rows(wanted, &picture)) return false;
+    if (got >= 0 && kind == RND_IMAGE_BEGIN && got == sizeof *picture) {
+        memcpy(picture, text, sizeof *picture);
+        if (!is_picture(picture, wanted->want_bytes)) return fail(wanted, "image size out of range");
+        if (wanted->sink && !wanted->sink->begin(wanted->sink, picture))
+            return fail(wanted, "not enough memory");
+        if (wanted->sink && !take_rows(wanted, picture)) return false;
         got = receive_packet(wanted, &kind, text, sizeof text - 1);
     }
     if (got < 0 || kind == RND_IMAGE_END) return got >= 0;
     return take_error(wanted, kind, text, (size_t)got);
 }
 
+static bool get(struct wanted *wanted)
+{
+    struct rnd_image_reader *reader = wanted->reader;
+    const struct rnd_scene_options options = {.reader_mib = reader->limits.mib,
+                                              .reader_seconds = reader->limits.seconds};
+    bool ok = false;
+    wanted->limits = rnd_reader_limits(&options, wanted->path);
+    for (int turn = 0; turn < 2 && !ok && (turn == 0 || wanted->lost); turn++) {
+        wanted->lost = false;
+        wanted->last = time(NULL) + 2 * (time_t)wanted->limits.seconds * RND_READER_PATIENCE;
+        if (reader->socket < 0 && !get_copy(reader, wanted->error, wanted->error_size)) return false;
+        ok = ask(wanted) && take(wanted);
+        if (!ok) rnd_image_reader_finish(reader); /* nothing is known of what it does now */
+    }
+    return ok;
+}
+
 bool rnd_image_read_apart(struct rnd_image_reader *reader, const char *path, const void *memory, size_t count,
                           enum rnd_pixels_use use, bool want_bytes, struct rnd_pixels_sink *sink,
                           char *out_error, size_t error_size)
 {
-    struct wanted wanted = {
-        .reader = reader, .path = path, .sink = sink, .error = out_error, .error_size = error_size};
-    const struct rnd_scene_options options = {.reader_mib = reader->limits.mib,
-                                              .reader_seconds = reader->limits.seconds};
-    bool ok = false;
-    wanted.limits = rnd_reader_limits(&options, path);
-    for (int turn = 0; turn < 2 && !ok && (turn == 0 || wanted.lost); turn++) {
-        wanted.lost = false;
-        wanted.last = time(NULL) + 2 * (time_t)wanted.limits.seconds * RND_READER_PATIENCE;
-        if (reader->socket < 0 && !get_copy(reader, out_error, error_size)) return false;
-        ok = ask(&wanted, memory, count, use, want_bytes) && take(&wanted, want_bytes);
-        if (!ok) rnd_image_reader_finish(reader); /* nothing is known of what it does now */
-    }
+    struct wanted wanted = {reader,     {0, 0}, 0,   path,      memory,     count, use,
+                            want_bytes, sink,   {0}, out_error, error_size, false};
+    return get(&wanted);
+}
+
+bool rnd_image_size_apart(struct rnd_image_reader *reader, const char *path, const void *memory, size_t count,
+                          enum rnd_pixels_use use, bool want_bytes, struct rnd_picture *out_picture,
+                          char *out_error, size_t error_size)
+{
+    struct wanted wanted = {reader,     {0, 0}, 0,   path,      memory,     count, use,
+                            want_bytes, NULL,   {0}, out_error, error_size, false};
+    const bool ok = get(&wanted);
+    *out_picture = wanted.picture;
     return ok;
 }
 

@@ -26,8 +26,8 @@ enum rnd_image_packet {
 enum { RND_IMAGE_PACKET_BYTES = 1 << 16, RND_IMAGE_MOST_PATH = 4096 };
 
 struct rnd_image_request {
-    uint64_t file_bytes; /* that follow, if they are in memory */
-    uint32_t in_memory, use, want_bytes, seconds;
+    uint64_t file_bytes;                                     /* that follow, if they are in memory */
+    uint32_t in_memory, use, want_bytes, size_only, seconds; /* size_only: no rows come */
 };
 
 /* Send a packet: its kind, count bytes, and a descriptor unless that is negative. False if it cannot be sent;
@@ -51,6 +51,10 @@ struct rnd_image_reader {
 /* As rnd_pixels_stream(), in another process. */
 bool rnd_image_read_apart(struct rnd_image_reader *reader, const char *path, const void *memory, size_t count,
                           enum rnd_pixels_use use, bool want_bytes, struct rnd_pixels_sink *sink,
+                          char *out_error, size_t error_size);
+/* What the picture would begin with. */
+bool rnd_image_size_apart(struct rnd_image_reader *reader, const char *path, const void *memory, size_t count,
+                          enum rnd_pixels_use use, bool want_bytes, struct rnd_picture *out_picture,
                           char *out_error, size_t error_size);
 void rnd_image_reader_finish(struct rnd_image_reader *reader);
 

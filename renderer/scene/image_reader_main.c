@@ -19,13 +19,15 @@ struct sender {
     struct rnd_pixels_sink sink; /* first */
     int socket;
     size_t row; /* bytes */
+    bool size_only, begun;
 };
 
 static bool send_begin(struct rnd_pixels_sink *sink, const struct rnd_picture *picture)
 {
     struct sender *sender = (struct sender *)(void *)sink;
     sender->row = (size_t)picture->width * (size_t)picture->channels * (picture->bytes ? 1 : sizeof(float));
-    return rnd_image_send(sender->socket, RND_IMAGE_BEGIN, picture, sizeof *picture, -1);
+    sender->begun = rnd_image_send(sender->socket, RND_IMAGE_BEGIN, picture, sizeof *picture, -1);
+    return sender->begun && !sender->size_only;
 }
 
 static bool send_rows(struct rnd_pixels_sink *sink, int first, int count, const void *pixels)
@@ -69,9 +71,12 @@ static void serve(int socket)
         packet.path[(size_t)got - sizeof packet.request] = '\0';
         rnd_reader_limit_time(packet.request.seconds);
         void *file = packet.request.in_memory ? receive_file(socket, packet.request.file_bytes) : NULL;
-        if (rnd_pixels_stream(packet.path, file, packet.request.file_bytes,
-                              (enum rnd_pixels_use)packet.request.use, packet.request.want_bytes,
-                              &sender.sink, error, sizeof error)) {
+        sender.size_only = packet.request.size_only;
+        sender.begun = false;
+        const bool whole = rnd_pixels_stream(packet.path, file, packet.request.file_bytes,
+                                             (enum rnd_pixels_use)packet.request.use,
+                                             packet.request.want_bytes, &sender.sink, error, sizeof error);
+        if (whole || (sender.size_only && sender.begun)) {
             rnd_image_send(socket, RND_IMAGE_END, "", 0, -1);
         } else {
             if (strstr(error, "bad_alloc") || strstr(error, "not enough memory")) _exit(RND_READER_MEMORY);

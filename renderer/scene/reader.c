@@ -180,14 +180,15 @@ bool rnd_scene_read(struct rnd_scene *scene, const struct rnd_scene_options *opt
     alive[1] = -1;
     if (!pid) goto end;
     const int status = wait_for(pid, alive[0], options, &limits);
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) {
+    if (is_cancelled(options)) {
+        snprintf(out_error, RND_ERROR_SIZE, "%.200s: nobody wants it any more", options->path);
+    } else if (WIFEXITED(status) && WEXITSTATUS(status) == 0) {
         ok = take_over(scene, memory, options->path, out_error);
     } else if (WIFEXITED(status) && WEXITSTATUS(status) == RND_READER_REFUSES) {
         take_line(memory, options->path, out_error);
     } else {
         rnd_reader_why(status, &limits, why, sizeof why);
-        snprintf(out_error, RND_ERROR_SIZE, "%.200s: %s", options->path,
-                 is_cancelled(options) ? "nobody wants it any more" : why);
+        snprintf(out_error, RND_ERROR_SIZE, "%.200s: %s", options->path, why);
     }
 end:
     if (alive[0] >= 0) close(alive[0]);

@@ -114,7 +114,7 @@ static bool build(struct rnd_scene *scene, const struct rnd_scene_options *optio
         rnd_textures_load(scene, false);
         if (apart) pthread_join(thread, NULL);
         rnd_textures_drop_unread(scene, &scene->warnings);
-        rnd_textures_cap(scene);
+        rnd_textures_sum(scene);
     }
     if (env_apart) pthread_join(env_thread, NULL);
     const struct building *failed = !geometry.ok ? &geometry : !env.ok ? &env : NULL;
@@ -151,7 +151,7 @@ static bool read_later(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE])
     for (uint32_t i = 0; i < scene->texture_count; i++)
         any |= scene->texture[i].levels == 0 && !scene->texture[i].error;
     if (!any) {
-        rnd_textures_cap(scene);
+        rnd_textures_sum(scene);
         return true;
     }
     struct rnd_material *plain = malloc(scene->material_count * sizeof *plain);
@@ -175,7 +175,7 @@ enum rnd_textures rnd_scene_take_textures(struct rnd_scene *scene, const char **
     if (!atomic_load(&scene->read)) return RND_TEXTURES_READING;
     pthread_join(scene->reader, NULL);
     scene->reading = false;
-    rnd_textures_cap(scene);
+    rnd_textures_sum(scene);
     free(scene->material);
     scene->material = scene->textured;
     scene->textured = NULL;

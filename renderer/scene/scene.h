@@ -153,6 +153,7 @@ struct rnd_scene {
     char unsupported[1024];
     struct rnd_warnings warnings, late_warnings; /* of the file; of textures that came later */
     bool one_sided;                              /* some of the materials are */
+    bool textures_measured; /* how large their files are is known */
     uint32_t mesh_count, material_count, texture_count;
     struct rnd_mesh *mesh;
     struct rnd_material *material;
@@ -221,12 +222,12 @@ struct rnd_image_reader rnd_scene_reader(const struct rnd_scene *scene);
 int rnd_texture_add(struct rnd_scene *scene, const char *path, const void *memory, size_t count,
                     enum rnd_pixels_use use, char out_error[RND_ERROR_SIZE]);
 /* Read those that were added and not read yet: all, or those that are marked as first. Those that cannot be
- * read say why in their error. */
+ * read say why in their error. All together take 2 GiB at most, and the largest do without their finest levels. */
 void rnd_textures_load(struct rnd_scene *scene, bool first);
 /* Take images that cannot be read from the scene's materials, with a warning of each file. */
 void rnd_textures_drop_unread(struct rnd_scene *scene, struct rnd_warnings *warnings);
-/* Bring all of them under the cap of memory, and tell what they take. */
-void rnd_textures_cap(struct rnd_scene *scene);
+/* Tell what they take. */
+void rnd_textures_sum(struct rnd_scene *scene);
 
 /* material.c: media, and tables for those that are rough glass. False if memory is short. */
 bool rnd_materials_build(struct rnd_scene *scene);

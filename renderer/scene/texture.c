@@ -57,28 +57,91 @@ static void mean_floats(const float *const from[4], float to[4])
     for (int c = 0; c < 4; c++) to[c] = 0.25f * (from[0][c] + from[1][c] + from[2][c] + from[3][c]);
 }
 
-/* Every level is the mean of the one above it; an odd last row or column is left out. */
+/* A level of width x height RGBA from the one above it, each texel the mean of four; an odd last row or
+ * column is left out. from has from_width texels a row; right: more than one; down: more than one row. */
+static void halve(const struct rnd_texture *texture, const void *from, int from_width, bool down, void *to,
+                  int width, int height)
+{
+    const size_t right = from_width > 1, below = down ? (size_t)from_width : 0;
+    for (int y = 0; y < height; y++)
+        for (int x = 0; x < width; x++) {
+            const size_t i = 2 * (size_t)y * below + 2 * (size_t)x * right,
+                         k = (size_t)y * (size_t)width + (size_t)x;
+            const size_t at[4] = {4 * i, 4 * (i + right), 4 * (i + below), 4 * (i + right + below)};
+            if (texture->floats) {
+                const float *f = from;
+                mean_floats((const float *const[4]){f + at[0], f + at[1], f + at[2], f + at[3]},
+                            (float *)to + 4 * k);
+            } else {
+                const uint8_t *b = from;
+                mean_bytes(texture->use != RND_PIXELS_DATA,
+                           (const uint8_t *const[4]){b + at[0], b + at[1], b + at[2], b + at[3]},
+                           (uint8_t *)to + 4 * k);
+            }
+        }
+}
+
+static size_t texel_bytes(const struct rnd_texture *texture)
+{
+    return texture->floats ? 4 * sizeof(float) : 4;
+}
+
+static uint8_t *level_at(const struct rnd_texture *texture, int level)
+{
+    uint8_t *memory = texture->floats ? (uint8_t *)texture->floats : texture->bytes;
+    return memory + texture->level[level].first * texel_bytes(texture);
+}
+
 static void fill_levels(struct rnd_texture *texture)
 {
     for (int l = 1; l < texture->levels; l++) {
         const struct rnd_level *from = &texture->level[l - 1], *to = &texture->level[l];
-        const size_t right = from->width > 1, down = from->height > 1 ? (size_t)from->width : 0;
-        for (int y = 0; y < to->height; y++)
-            for (int x = 0; x < to->width; x++) {
-                const size_t i = from->first + 2 * (size_t)y * down + 2 * (size_t)x * right,
-                             k = to->first + (size_t)y * to->width + x;
-                const size_t at[4] = {4 * i, 4 * (i + right), 4 * (i + down), 4 * (i + right + down)};
-                if (texture->floats) {
-                    const float *f = texture->floats;
-                    mean_floats((const float *const[4]){f + at[0], f + at[1], f + at[2], f + at[3]},
-                                texture->floats + 4 * k);
-                } else {
-                    const uint8_t *b = texture->bytes;
-                    mean_bytes(texture->use != RND_PIXELS_DATA,
-                               (const uint8_t *const[4]){b + at[0], b + at[1], b + at[2], b + at[3]},
-                               texture->bytes + 4 * k);
-                }
-            }
+        halve(texture, level_at(texture, l - 1), from->width, from->height > 1, level_at(texture, l),
+              to->width, to->height);
+    }
+}
+
+/* --- the cap of memory --- */
+
+static int half(int size)
+{
+    return size > 1 ? size / 2 : 1;
+}
+
+/* Bytes of a picture of that size with its mipmaps, without the finest ones. */
+static uint64_t bytes_without(int width, int height, bool bytes, int skip)
+{
+    struct rnd_texture texture;
+    for (; skip > 0; skip--) width = half(width), height = half(height);
+    return lay_out(&texture, width, height) * (bytes ? 4 : 4 * sizeof(float));
+}
+
+/* Decide what textures that have been measured do without: the largest first, since what the film cannot show
+ * is to be lost before what it can. */
+static void plan(struct rnd_scene *scene)
+{
+    for (;;) {
+        struct rnd_texture *largest = NULL;
+        uint64_t all = 0, most = 0;
+        for (uint32_t i = 0; i < scene->texture_count; i++) {
+            struct rnd_texture *t = &scene->texture[i];
+            if (t->measured.width == 0) continue;
+            const uint64_t bytes =
+                bytes_without(t->measured.width, t->measured.height, t->measured.bytes, t->skip);
+            all += bytes;
+            if (bytes > most) most = bytes, largest = t;
+        }
+        if (all <= CAP_BYTES) return;
+        largest->skip++;
+    }
+}
+
+void rnd_textures_sum(struct rnd_scene *scene)
+{
+    scene->info.texture_bytes = 0;
+    for (uint32_t i = 0; i < scene->texture_count; i++) {
+        const struct rnd_texture *t = &scene->texture[i];
+        if (t->levels > 0) scene->info.texture_bytes += (t->level[t->levels - 1].first + 1) * texel_bytes(t);
     }
 }
 
@@ -94,20 +157,46 @@ static bool fail(struct rnd_texture *texture, const char *what, const char *why)
     return false;
 }
 
+static bool fail_to_read(struct rnd_texture *texture, const char *why)
+{
+    return fail(texture, strncmp(why, "the reader", 10) == 0 ? "" : "not a readable image: ", why);
+}
+
 /* A picture that becomes a texture. */
 struct filling {
     struct rnd_pixels_sink sink; /* first */
     struct rnd_texture *texture;
     size_t channels;
+    int width, height; /* of the file's picture */
+    uint8_t *band[2];  /* of a texture that does without its finest levels: rows that make one of its own,
+                          RGBA; and  half of them */
+    bool changed;      /* it is another file than the one that was measured */
+    int rows, have;    /* of a band: in all, so far */
+    int next;          /* row of the texture */
 };
 
 static bool begin(struct rnd_pixels_sink *sink, const struct rnd_picture *picture)
 {
     struct filling *filling = (struct filling *)(void *)sink;
     struct rnd_texture *texture = filling->texture;
-    const size_t count = lay_out(texture, picture->width, picture->height),
+    const size_t texel = picture->bytes ? 4 : 4 * sizeof(float),
                  n = filling->channels = (size_t)picture->channels;
-    texture->log2_size = 0.5f * log2f((float)picture->width * (float)picture->height);
+    int width = filling->width = picture->width, height = filling->height = picture->height;
+    filling->changed = texture->measured.width > 0 &&
+                       (texture->measured.width != width || texture->measured.height != height ||
+                        texture->measured.bytes != picture->bytes);
+    if (filling->changed) return false;
+    if (texture->measured.width == 0) /* it is the only one */
+        while (bytes_without(width, height, picture->bytes, texture->skip) > CAP_BYTES) texture->skip++;
+    filling->rows = 1;
+    for (int k = 0; k < texture->skip; k++) {
+        if (height > 1) filling->rows *= 2;
+        width = half(width);
+        height = half(height);
+    }
+    const size_t count = lay_out(texture, width, height),
+                 band = (size_t)filling->rows * (size_t)filling->width * texel;
+    texture->log2_size = 0.5f * log2f((float)picture->width * (float)picture->height) - (float)texture->skip;
     texture->has_alpha = n == 2 || n >= 4;
     if (picture->bytes)
         texture->bytes = malloc(count * 4);
@@ -115,28 +204,65 @@ static bool begin(struct rnd_pixels_sink *sink, const struct rnd_picture *pictur
         texture->floats = malloc(count * 4 * sizeof *texture->floats);
     rnd_use_large_pages(texture->floats, count * 4 * sizeof *texture->floats);
     rnd_use_large_pages(texture->bytes, count * 4);
+    for (int i = 0; i < 2 && texture->skip > 0; i++)
+        if (!(filling->band[i] = malloc(band))) return false;
     return texture->floats || texture->bytes;
 }
 
-/* Rows of the first level from the file's pixels: RGBA; missing channels repeat the first, alpha is 1. */
-static bool take_rows(struct rnd_pixels_sink *sink, int first, int rows, const void *pixels)
+/* Texels as RGBA; missing channels repeat the first, alpha is 1. */
+static void to_rgba(const struct filling *filling, const void *pixels, size_t count, void *out)
 {
-    const struct filling *filling = (const struct filling *)(const void *)sink;
-    const struct rnd_texture *texture = filling->texture;
-    const size_t width = (size_t)texture->level[0].width, count = (size_t)rows * width, n = filling->channels,
-                 g = n >= 3 ? 1 : 0, b = 2 * g, a = texture->has_alpha ? (n == 2 ? 1 : 3) : 0;
-    if (texture->floats)
+    const size_t n = filling->channels, g = n >= 3 ? 1 : 0, b = 2 * g,
+                 a = filling->texture->has_alpha ? (n == 2 ? 1 : 3) : 0;
+    if (filling->texture->floats)
         for (size_t i = 0; i < count; i++) {
             const float *from = (const float *)pixels + n * i;
-            float *to = texture->floats + 4 * ((size_t)first * width + i);
+            float *to = (float *)out + 4 * i;
             to[0] = from[0], to[1] = from[g], to[2] = from[b], to[3] = a ? from[a] : 1.0f;
         }
     else
         for (size_t i = 0; i < count; i++) {
             const uint8_t *from = (const uint8_t *)pixels + n * i;
-            uint8_t *to = texture->bytes + 4 * ((size_t)first * width + i);
+            uint8_t *to = (uint8_t *)out + 4 * i;
             to[0] = from[0], to[1] = from[g], to[2] = from[b], to[3] = a ? from[a] : 255;
         }
+}
+
+/* A row of the texture from a band that is full. */
+static void take_band(struct filling *filling)
+{
+    const struct rnd_texture *texture = filling->texture;
+    const size_t row = (size_t)texture->level[0].width * texel_bytes(texture);
+    int width = filling->width, height = filling->height, rows = filling->rows;
+    for (int k = 0; k < texture->skip; k++) {
+        const bool down = height > 1;
+        if (down) rows /= 2;
+        halve(texture, filling->band[0], width, down, filling->band[1], half(width), rows);
+        uint8_t *other = filling->band[0];
+        filling->band[0] = filling->band[1];
+        filling->band[1] = other;
+        width = half(width);
+        height = half(height);
+    }
+    memcpy(level_at(texture, 0) + (size_t)filling->next++ * row, filling->band[0], row);
+    filling->have = 0;
+}
+
+static bool take_rows(struct rnd_pixels_sink *sink, int first, int rows, const void *pixels)
+{
+    struct filling *filling = (struct filling *)(void *)sink;
+    const struct rnd_texture *texture = filling->texture;
+    const size_t width = (size_t)filling->width, texel = texel_bytes(texture),
+                 row = width * filling->channels * (texel / 4);
+    if (texture->skip == 0) {
+        to_rgba(filling, pixels, (size_t)rows * width, level_at(texture, 0) + (size_t)first * width * texel);
+        return true;
+    }
+    for (int y = 0; y < rows && filling->next < texture->level[0].height; y++) {
+        to_rgba(filling, (const uint8_t *)pixels + (size_t)y * row, width,
+                filling->band[0] + (size_t)filling->have * width * texel);
+        if (++filling->have == filling->rows) take_band(filling);
+    }
     return true;
 }
 
@@ -148,68 +274,47 @@ bool rnd_texture_load(struct rnd_texture *texture, struct rnd_image_reader *read
     if (rnd_image_read_apart(reader, texture->path, texture->file, texture->file_bytes, texture->use, true,
                              &filling.sink, text, sizeof text)) {
         fill_levels(texture);
+        free(filling.band[0]);
+        free(filling.band[1]);
         return true;
     }
+    free(filling.band[0]);
+    free(filling.band[1]);
     free(texture->bytes);
     free(texture->floats);
     texture->bytes = NULL;
     texture->floats = NULL;
-    return fail(texture, strncmp(text, "the reader", 10) == 0 ? "" : "not a readable image: ", text);
+    return filling.changed ? fail(texture, "it is another file by now", "") : fail_to_read(texture, text);
 }
 
-/* --- the cap of memory --- */
-
-/* Forget the finest level: the others move to the front of the memory. */
-static bool drop_finest(struct rnd_texture *texture)
+/* Ask how large it is. */
+static void measure(struct rnd_texture *texture, struct rnd_image_reader *reader)
 {
-    if (texture->levels < 2) return false;
-    const size_t texel = texture->floats ? 4 * sizeof(float) : 4, first = texture->level[1].first;
-    const size_t all = texture->level[texture->levels - 1].first + 1;
-    uint8_t *memory = texture->floats ? (uint8_t *)texture->floats : texture->bytes;
-    memmove(memory, memory + first * texel, (all - first) * texel);
-    uint8_t *less = realloc(memory, (all - first) * texel);
-    if (less) memory = less;
-    if (texture->floats)
-        texture->floats = (float *)memory;
-    else
-        texture->bytes = memory;
-    texture->levels--;
-    texture->log2_size -= 1.0f;
-    for (int l = 0; l < texture->levels; l++) {
-        texture->level[l] = texture->level[l + 1];
-        texture->level[l].first -= first;
+    char text[RND_ERROR_SIZE / 2];
+    struct rnd_picture picture;
+    if (!rnd_image_size_apart(reader, texture->path, texture->file, texture->file_bytes, texture->use, true,
+                              &picture, text, sizeof text)) {
+        fail_to_read(texture, text);
+        return;
     }
-    return true;
-}
-
-static uint64_t bytes_of(const struct rnd_texture *texture)
-{
-    return (texture->level[texture->levels - 1].first + 1) * (texture->floats ? 4 * sizeof(float) : 4);
-}
-
-/* The largest textures first: what the film cannot show is lost before what it can. */
-void rnd_textures_cap(struct rnd_scene *scene)
-{
-    for (;;) {
-        struct rnd_texture *largest = NULL;
-        scene->info.texture_bytes = 0;
-        for (uint32_t i = 0; i < scene->texture_count; i++) {
-            struct rnd_texture *texture = &scene->texture[i];
-            if (texture->levels == 0) continue;
-            scene->info.texture_bytes += bytes_of(texture);
-            if (!largest || bytes_of(texture) > bytes_of(largest)) largest = texture;
-        }
-        if (scene->info.texture_bytes <= CAP_BYTES || !drop_finest(largest)) return;
-    }
+    texture->measured.width = picture.width;
+    texture->measured.height = picture.height;
+    texture->measured.bytes = picture.bytes;
 }
 
 /* --- reading, in parallel --- */
 
 struct loading {
     struct rnd_scene *scene;
-    bool first;
+    bool first;   /* only those that are marked so */
+    bool measure; /* nothing is read yet */
     _Atomic uint32_t next;
 };
+
+static bool is_wanted(const struct rnd_texture *texture, const struct loading *loading)
+{
+    return texture->levels == 0 && !texture->error && texture->first >= loading->first;
+}
 
 static void *load_some(void *argument)
 {
@@ -220,28 +325,43 @@ static void *load_some(void *argument)
         const uint32_t i = atomic_fetch_add(&loading->next, 1);
         if (i >= scene->texture_count || atomic_load(&scene->cancelled)) break;
         struct rnd_texture *texture = &scene->texture[i];
-        if (texture->levels == 0 && texture->first >= loading->first) rnd_texture_load(texture, &reader);
+        if (!is_wanted(texture, loading)) continue;
+        if (loading->measure)
+            measure(texture, &reader);
+        else
+            rnd_texture_load(texture, &reader);
     }
     rnd_image_reader_finish(&reader);
     return NULL;
 }
 
-void rnd_textures_load(struct rnd_scene *scene, bool first)
+static void load_all(struct loading *loading)
 {
     enum { MOST = 64 };
     const long threads = sysconf(_SC_NPROCESSORS_ONLN);
-    struct loading loading = {.scene = scene, .first = first};
     pthread_t thread[MOST];
     int started = 0, count = 0;
-    for (uint32_t i = 0; i < scene->texture_count; i++)
-        count +=
-            scene->texture[i].levels == 0 && !scene->texture[i].error && scene->texture[i].first >= first;
+    for (uint32_t i = 0; i < loading->scene->texture_count; i++)
+        count += is_wanted(&loading->scene->texture[i], loading);
     if (count == 0) return;
     while (started < threads - 1 && started < MOST && started + 1 < count &&
-           pthread_create(&thread[started], NULL, load_some, &loading) == 0)
+           pthread_create(&thread[started], NULL, load_some, loading) == 0)
         started++;
-    load_some(&loading);
+    load_some(loading);
     while (started > 0) pthread_join(thread[--started], NULL);
+}
+
+void rnd_textures_load(struct rnd_scene *scene, bool first)
+{
+    struct loading measuring = {.scene = scene, .measure = true}, loading = {.scene = scene, .first = first};
+    bool any = false;
+    for (uint32_t i = 0; i < scene->texture_count; i++) any |= is_wanted(&scene->texture[i], &loading);
+    if (any && !scene->textures_measured && scene->texture_count > 1) {
+        load_all(&measuring);
+        plan(scene);
+        scene->textures_measured = true;
+    }
+    load_all(&loading);
 }
 
 void rnd_textures_drop_unread(struct rnd_scene *scene, struct rnd_warnings *warnings)

@@ -27,11 +27,16 @@ struct rnd_texture {
     enum rnd_pixels_use use;
     const void *file; /* bytes of a file in memory, which are the scene's, or NULL */
     size_t file_bytes;
-    bool first;                             /* asked for before the tree and the lights can be built */
-    bool has_alpha;                         /* the file has a channel for it; else it is 1 everywhere */
-    int levels;                             /* 0: not read */
-    char *error;                            /* why it cannot be read: a line, or NULL */
-    float log2_size;                        /* of the square root of the finest level's texels */
+    bool first;     /* asked for before the tree and the lights can be built */
+    bool has_alpha; /* the file has a channel for it; else it is 1 everywhere */
+    int levels;     /* 0: not read */
+    char *error;    /* why it cannot be read: a line, or NULL */
+    struct {        /* what a reader says of the file, if it was asked */
+        int width, height;
+        bool bytes;
+    } measured;
+    int skip;        /* finest levels that there is no room for: they are never there */
+    float log2_size; /* of the square root of the finest level's texels */
     struct rnd_level level[RND_MAX_LEVELS]; /* each half of the one before, the last a single texel */
     uint8_t *bytes;                         /* RGBA, levels one behind the other; NULL if floats */
     float *floats;

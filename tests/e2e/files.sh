@@ -204,3 +204,13 @@ not_drawn vertex-missing.off "$cases/vertex-missing.off"
 not_drawn polygon-300000.obj "$cases/polygon-300000.obj"
 not_drawn terminal-escape.gltf "$cases/terminal-escape.gltf"
 plain refused.err
+# 261 KB that become 1.4 GiB: fovead states that textures take 2 GiB at most. With the virtual clock all of them are there
+# before the first path.
+if ! grep -q '^SANITIZE:STRING=..*' "$programs/CMakeCache.txt"; then
+    start --scene "$cases/texture-16384.gltf" --sun 0,45,5,1 --size 128x64 --clock virtual --listen "unix:$place/large.sock" \
+        --until 1000000spp
+    peak=$(sed -n 's/^VmHWM:[[:space:]]*\([0-9]*\) kB$/\1/p' "/proc/$daemon/status")
+    [ "$peak" -gt 1000000 ] && [ "$peak" -lt 2600000 ] || fail "a texture of 1.4 GiB took $peak KiB"
+    kill -9 "$daemon"
+    daemon=
+fi

@@ -24,7 +24,7 @@ enum {
     MOST_SETS = 64,
     MOST_FILES = 8,
     READER_MIB = 1024,
-    READER_SECONDS = 10,
+    READER_SECONDS = 4,
     OWN_MIB = 512,     /* what fovead itself may take besides what was read */
     PATIENCE_S = 1200, /* a hang is longer than this */
     GOOD = -1          /* number of the scene as it is */

@@ -1,0 +1,116 @@
+/* Reading by other programs: textures that do without their finest levels, and what ends with a scene that is
+ * not wanted any more. */
+#include "renderer_files.h"
+
+#include "scene/image_reader.h"
+#include "scene/scene.h"
+
+/* A picture of noise. */
+static const char *noise(const char *name, int width, int height)
+{
+    static float rgb[64 * 64 * 3];
+    char error[RND_ERROR_SIZE];
+    uint32_t state = 5;
+    for (int i = 0; i < width * height * 3; i++) {
+        state = state * 1664525u + 1013904223u;
+        rgb[i] = (float)(state >> 8) * 0x1p-24f;
+    }
+    const char *path = files_path(name);
+    if (!files_image(path, width, height, rgb, false, error)) fail_msg("%s", error);
+    return path;
+}
+
+static struct rnd_image_reader reader(void)
+{
+    return (struct rnd_image_reader){.readers = files_readers(), .limits = {.mib = 1024}, .socket = -1};
+}
+
+static struct rnd_texture load(const char *path, enum rnd_pixels_use use, int skip)
+{
+    struct rnd_image_reader images = reader();
+    struct rnd_texture texture = {.path = strdup(path), .use = use, .skip = skip};
+    if (!rnd_texture_load(&texture, &images)) fail_msg("%s", texture.error);
+    rnd_image_reader_finish(&images);
+    return texture;
+}
+
+/* What is left out is left out alone: all other levels are the same bit for bit. */
+static void without_finest(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        int width, height;
+    } pictures[] = {{"even.png", 64, 64}, {"odd.png", 37, 23},  {"odd.exr", 37, 23},
+                    {"row.png", 64, 1},   {"three.exr", 3, 64}, {"column.png", 1, 50}};
+    for (size_t i = 0; i < sizeof pictures / sizeof *pictures; i++)
+        for (int use = RND_PIXELS_DATA; use <= RND_PIXELS_COLOUR; use++) {
+            const char *path = noise(pictures[i].name, pictures[i].width, pictures[i].height);
+            struct rnd_texture whole = load(path, (enum rnd_pixels_use)use, 0);
+            for (int skip = 1; skip < whole.levels; skip++) {
+                struct rnd_texture less = load(path, (enum rnd_pixels_use)use, skip);
+                const size_t first = whole.level[skip].first,
+                             count = whole.level[whole.levels - 1].first + 1 - first;
+                assert_int_equal(less.levels, whole.levels - skip);
+                assert_int_equal(less.level[0].width, whole.level[skip].width);
+                assert_int_equal(less.level[0].height, whole.level[skip].height);
+                assert_true(fabsf(less.log2_size - (whole.log2_size - (float)skip)) < 1e-5f);
+                if (whole.bytes)
+                    assert_memory_equal(less.bytes, whole.bytes + 4 * first, 4 * count);
+                else
+                    assert_memory_equal(less.floats, whole.floats + 4 * first, 4 * count * sizeof(float));
+                rnd_texture_finish(&less);
+            }
+            rnd_texture_finish(&whole);
+        }
+}
+
+/* A size is told without the pixels, also of what is in memory; a file that is no picture is one line. */
+static void sizes(void **state)
+{
+    (void)state;
+    struct rnd_image_reader images = reader();
+    struct rnd_picture picture;
+    char error[RND_ERROR_SIZE] = "";
+    uint8_t bytes[128];
+    const size_t count = files_png_bytes(bytes, 8, 128, 0);
+    for (int turn = 0; turn < 2; turn++) {
+        assert_true(rnd_image_size_apart(&images, noise("odd.png", 37, 23), NULL, 0, RND_PIXELS_SRGB, true,
+                                         &picture, error, sizeof error));
+        assert_int_equal(picture.width, 37);
+        assert_int_equal(picture.height, 23);
+        assert_true(picture.bytes);
+        assert_true(rnd_image_size_apart(&images, "inside.png", bytes, count, RND_PIXELS_SRGB, true, &picture,
+                                         error, sizeof error));
+        assert_int_equal(picture.width, 2);
+        assert_false(rnd_image_size_apart(&images, files_text("text.png", "no picture"), NULL, 0,
+                                          RND_PIXELS_SRGB, true, &picture, error, sizeof error));
+        assert_true(*error && !strchr(error, '\n'));
+    }
+    rnd_image_reader_finish(&images);
+}
+
+/* Nothing is read for somebody who does not want it any more. */
+static void cancelled(void **state)
+{
+    (void)state;
+    static const atomic_bool no_more = true;
+    char error[RND_ERROR_SIZE] = "";
+    const struct rnd_scene_options options = {
+        .path = files_room("room.obj"), .readers = files_readers(), .cancel = &no_more};
+    struct rnd_image_reader images = reader();
+    struct rnd_picture picture;
+    images.cancel[0] = &no_more;
+    assert_null(rnd_scene_load(&options, error));
+    assert_non_null(strstr(error, "room.obj: "));
+    rnd_image_size_apart(&images, noise("odd.png", 37, 23), NULL, 0, RND_PIXELS_SRGB, true, &picture, error,
+                         sizeof error); /* either way, it comes back */
+    rnd_image_reader_finish(&images);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(without_finest), cmocka_unit_test(sizes),
+                                       cmocka_unit_test(cancelled)};
+    return cmocka_run_group_tests(tests, files_setup, files_teardown);
+}
