@@ -216,6 +216,9 @@ extern "C" bool rnd_pixels_write(FILE *file, const char *format, int width, int 
         if (!out) return fail(out_error, error_size, OIIO::geterror());
         if (!out->supports("ioproxy"))
             return fail(out_error, error_size, std::string("pictures are not written as .") + format);
+        // libjpeg's JPEG_MAX_DIMENSION; beyond it the library ends the program.
+        if (strcmp(out->format_name(), "jpeg") == 0 && std::max(width, height) > 65500)
+            return fail(out_error, error_size, "a JPEG has at most 65500 pixels a side");
         OIIO::ImageSpec spec(width, height, channels, type_of(channel[0].type));
         spec.channelnames.clear();
         for (int c = 0; c < channels; c++) {

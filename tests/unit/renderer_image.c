@@ -116,6 +116,11 @@ static void refused(void **state)
         assert_non_null(strstr(error, unwritable[i]));
         assert_null(strchr(error, '\n'));
     }
+    static const float line[65501 * 3];
+    assert_false(files_image(files_path("long.jpg"), 65501, 1, line, false, error));
+    assert_non_null(strstr(error, "long.jpg"));
+    assert_non_null(strstr(error, "65500"));
+    assert_true(files_image(files_path("long.jpg"), 1, 65500, line, false, error));
     assert_null(rnd_image_read(files_path("gone.png"), &width, &height, NULL, error));
     assert_non_null(strstr(error, "gone.png"));
     assert_null(rnd_image_read(files_text("words.exr", "not a picture"), &width, &height, NULL, error));
