@@ -225,21 +225,25 @@ static bool take_rows(struct wanted *wanted, const struct rnd_picture *picture)
     const size_t row = (size_t)picture->width * (size_t)picture->channels *
                        (picture->bytes ? 1 : sizeof(float)),
                  most = row < STRIP_BYTES ? STRIP_BYTES / row : 1;
-    uint8_t *strip = malloc(most * row);
+    uint8_t *strip = malloc(most * row + RND_IMAGE_PACKET_BYTES);
+    size_t have = 0; /* bytes: a packet may end in the next strip */
     bool ok = strip || fail(wanted, "not enough memory");
     for (int y = 0, rows; ok && y < picture->height; y += rows) {
         const size_t left = (size_t)(picture->height - y);
         rows = (int)(left < most ? left : most);
-        for (size_t at = 0, all = (size_t)rows * row; ok && at < all;) {
+        const size_t all = (size_t)rows * row;
+        while (ok && have < all) {
             enum rnd_image_packet kind;
-            const ssize_t got = receive_packet(wanted, &kind, strip + at, all - at);
+            const ssize_t got = receive_packet(wanted, &kind, strip + have, RND_IMAGE_PACKET_BYTES);
             if (got > 0 && kind == RND_IMAGE_DATA)
-                at += (size_t)got;
+                have += (size_t)got;
             else
-                ok = got >= 0 && take_error(wanted, kind, strip + at, (size_t)got);
+                ok = got >= 0 && take_error(wanted, kind, strip + have, (size_t)got);
         }
         ok = ok && (wanted->sink->rows(wanted->sink, y, rows, strip) || fail(wanted, "not enough memory"));
+        if (ok) memmove(strip, strip + all, have -= all);
     }
+    ok = ok && (have == 0 || fail(wanted, "the reader has gone"));
     free(strip);
     return ok;
 }
