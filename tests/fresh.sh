@@ -28,6 +28,7 @@ mirror=$(apt-get indextargets --format '$(REPO_URI) $(CODENAME)' 'Created-By: Pa
 keyring=/usr/share/keyrings/debian-archive-keyring.gpg # apt-get install debian-archive-keyring
 [ -n "$mirror" ] || mirror=http://deb.debian.org/debian
 root=$(mktemp -d /var/tmp/fovead-fresh.XXXXXX)
+chmod 755 "$root" # as / is: tests become other users
 
 finish() {
     for place in proc dev/shm dev/pts dev sys; do

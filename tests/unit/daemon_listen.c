@@ -180,7 +180,7 @@ static void strangers(void **state)
     char error[PRO_ERROR_SIZE], byte;
     struct dmn_peer peer;
     pid_t child;
-    int fd;
+    int fd, alive[2];
 
     (void)state;
     if (geteuid() != 0) {
@@ -189,12 +189,18 @@ static void strangers(void **state)
     }
     assert_true(dmn_listener_init(&listener, &address, NULL, error));
     assert_true(!chmod(folder, 0755) && !chmod(address.path, 0666));
+    assert_int_equal(pipe(alive), 0);
     child = fork();
     if (child == 0) {
         if (setuid(SOMEBODY_ELSE) || (fd = dial()) < 0) _exit(1);
         _exit(read(fd, &byte, 1) == 0 ? 0 : 2); /* hung up on, and told nothing */
     }
-    while (poll(&(struct pollfd){.fd = listener.fd, .events = POLLIN}, 1, -1) != 1) continue;
+    close(alive[1]);
+    /* until somebody is there, or the child has ended */
+    struct pollfd wait[] = {{.fd = listener.fd, .events = POLLIN}, {.fd = alive[0]}};
+    while (poll(wait, 2, -1) < 1) continue;
+    assert_true(wait[0].revents & POLLIN);
+    close(alive[0]);
     assert_int_equal(dmn_listener_accept(&listener, &peer), -1);
     assert_true(waitpid(child, &fd, 0) == child);
     assert_int_equal(fd, 0);
