@@ -1,6 +1,8 @@
 #!/bin/sh
 # What programs are given and what becomes of it: closed descriptors, output that cannot be written, signals that come
 # together, daemons that die, pictures that never rest.
+# Whoever started this with nohup did not mean the programs in it.
+[ -n "${DEFAULT_SIGNALS-}" ] || DEFAULT_SIGNALS=1 exec env --default-signal=HUP sh "$0" "$@"
 . "$(dirname "$0")/common.sh"
 make_room
 make_log
