@@ -58,7 +58,7 @@ static inline const char *files_parts(const char *name, const char *primitive, c
                                       const char *materials, const char *more, const struct files_part *part,
                                       size_t count)
 {
-    static char text[700000], list[3][200000];
+    static char text[1100000], list[3][200000]; /* as large as all that goes in */
     size_t n[3] = {0};
     for (size_t i = 0; i < count; i++) {
         const char *comma = i ? "," : "";
