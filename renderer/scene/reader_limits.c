@@ -64,6 +64,10 @@ void rnd_reader_begin(pid_t parent, uint32_t mib)
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(RND_READER_REFUSES);
     keep_silent();
+    signal(SIGSEGV, SIG_DFL); /* a crash ends the reader as one, also where a sanitizer would report it */
+    signal(SIGBUS, SIG_DFL);
+    signal(SIGFPE, SIG_DFL);
+    signal(SIGILL, SIG_DFL);
     limit(RLIMIT_CORE, 0);
     limit(RLIMIT_FSIZE, (rlim_t)mib << 20);
     rnd_set_new_handler(end);
