@@ -231,6 +231,7 @@ struct rnd_scene *rnd_scene_load(const struct rnd_scene_options *options, char o
     if (options->has_eye) memcpy(scene->info.eye, options->eye, sizeof options->eye);
     const double read = seconds();
     if (!build(scene, options, out_error)) goto fail;
+    scene->cancel = NULL; /* before the thread of late textures begins, which has a cancelled of its own */
     if (options->textures_later && !read_later(scene, out_error)) goto fail;
 
     scene->info.meshes = scene->mesh_count;
@@ -243,7 +244,6 @@ struct rnd_scene *rnd_scene_load(const struct rnd_scene_options *options, char o
     scene->info.warnings = scene->warnings.text ? scene->warnings.text : "";
     scene->info.read_seconds = read - start;
     scene->info.build_seconds = seconds() - read;
-    scene->cancel = NULL;
     return scene;
 fail:
     rnd_make_printable(out_error);
