@@ -4,6 +4,7 @@
  * direction, in air. In a window, whose two sides are parallel, that is the true angle at both of them. Media
  * absorb along the way between. */
 #include "path/clear.h"
+#include "path/ray.h"
 #include "path/rich.h"
 
 /* Surfaces that light gets through: what is behind more is dark. */
@@ -12,17 +13,7 @@ enum { MOST_SURFACES = 64 };
 static bool next_surface(const struct rnd_scene *scene, struct rnd_v3 origin, struct rnd_v3 direction,
                          float near, float far, struct RTCRayHit *out)
 {
-    *out =
-        (struct RTCRayHit){.ray = {.org_x = origin.x,
-                                   .org_y = origin.y,
-                                   .org_z = origin.z,
-                                   .dir_x = direction.x,
-                                   .dir_y = direction.y,
-                                   .dir_z = direction.z,
-                                   .tnear = near,
-                                   .tfar = far,
-                                   .mask = UINT32_MAX},
-                           .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}}};
+    *out = rnd_ray(origin, direction, near, far);
     rnd_embree_intersect1(scene->clear_tree, out);
     return out->hit.geomID != RTC_INVALID_GEOMETRY_ID;
 }

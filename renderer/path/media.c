@@ -1,5 +1,6 @@
 /* Which media paths are in. */
 #include "path/media.h"
+#include "path/ray.h"
 
 #include <math.h>
 
@@ -72,15 +73,7 @@ static void find(const struct rnd_scene *scene, bool of_eye, struct rnd_v3 origi
     to->scene = scene;
     to->of_eye = of_eye;
     to->count = 0;
-    struct RTCRayHit ray = {.ray = {.org_x = origin.x,
-                                    .org_y = origin.y,
-                                    .org_z = origin.z,
-                                    .dir_x = direction.x,
-                                    .dir_y = direction.y,
-                                    .dir_z = direction.z,
-                                    .tfar = distance,
-                                    .mask = UINT32_MAX},
-                            .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}}};
+    struct RTCRayHit ray = rnd_ray(origin, direction, 0.0f, distance);
     rnd_embree_intersect1_filtered(scene->border_tree, &to->query, note, &ray);
 }
 

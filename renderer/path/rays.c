@@ -4,6 +4,7 @@
  * section 3.9.6), which speaks of what is seen. For light every surface has two sides, or walls that are
  * culled for a view into a room would let the sky in. */
 #include "path/clear.h"
+#include "path/ray.h"
 #include "path/tape.h"
 #include "path/wave.h"
 
@@ -72,17 +73,8 @@ void rnd_pass_backs(struct rnd_tracer *tracer, const struct rnd_paths *paths, ui
     for (uint32_t i = 0; i < count; i++) {
         if (!is_back(tracer, paths, i)) continue;
         struct eye_context context = {.scene = tracer->scene};
-        const struct rnd_v3 o = rnd_get(&paths->origin, i), d = rnd_get(&paths->direction, i);
-        struct RTCRayHit again = {
-            .ray = {.org_x = o.x,
-                    .org_y = o.y,
-                    .org_z = o.z,
-                    .dir_x = d.x,
-                    .dir_y = d.y,
-                    .dir_z = d.z,
-                    .tfar = INFINITY,
-                    .mask = UINT32_MAX},
-            .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}}};
+        struct RTCRayHit again =
+            rnd_ray(rnd_get(&paths->origin, i), rnd_get(&paths->direction, i), 0.0f, INFINITY);
         tracer->rays++;
         rnd_embree_intersect1_filtered(tracer->scene->tree, &context.query, pass_backs, &again);
         hits->distance[i] = again.ray.tfar;

@@ -7,6 +7,7 @@
  * for the lamps of a house, most of which burn in other rooms. A few thousand paths from the eye ask all
  * groups at every point and see. What they find changes the noise and never the mean. */
 #include "path/clear.h"
+#include "path/ray.h"
 #include "path/shade.h"
 #include "render.h"
 #include "sampler.h"
@@ -39,16 +40,10 @@ struct survey {
     struct step step[PATHS][BOUNCES]; /* summed in their order, by one */
 };
 
-static struct RTCRay ray(vec3s origin, vec3s direction, float far)
+static struct RTCRayHit ray(vec3s origin, vec3s direction, float far)
 {
-    return (struct RTCRay){.org_x = origin.x,
-                           .org_y = origin.y,
-                           .org_z = origin.z,
-                           .dir_x = direction.x,
-                           .dir_y = direction.y,
-                           .dir_z = direction.z,
-                           .tfar = far,
-                           .mask = UINT32_MAX};
+    return rnd_ray(rnd_v3(origin.x, origin.y, origin.z), rnd_v3(direction.x, direction.y, direction.z), 0.0f,
+                   far);
 }
 
 /* Share of the light along a shadow ray that comes through glass to a surface; none to one that is glass. */
@@ -80,10 +75,10 @@ static float ask(const struct survey *survey, int group, const struct rnd_surfac
         rnd_luminance(f.raw) / light->pdf * (light->delta ? 1.0f : rnd_power_heuristic(light->pdf, pdf));
     if (!(given > 0.0f)) return 0.0f;
     const vec3s from = rnd_leave(surface, to);
-    struct RTCRay shadow = ray(from, to, INFINITY);
+    struct RTCRay shadow = ray(from, to, INFINITY).ray;
     if (light->distance < INFINITY) { /* to the very place on it, as shadows go in the integrator */
         const vec3s rest = glms_vec3_sub(glms_vec3_muladds(to, light->distance, p), from);
-        shadow = ray(from, glms_vec3_normalize(rest), glms_vec3_norm(rest) * (1.0f - 1e-4f));
+        shadow = ray(from, glms_vec3_normalize(rest), glms_vec3_norm(rest) * (1.0f - 1e-4f)).ray;
     }
     if (rnd_embree_occluded1(scene->tree, &shadow)) return 0.0f;
     return scene->clear_tree ? given * through_glass(scene, surface, &shadow) : given;
@@ -106,8 +101,7 @@ static void walk(const struct survey *survey, uint32_t index, struct step step[B
     vec3s origin = rnd_vec(survey->eye), direction, throughput = glms_vec3_one();
     rnd_direction(2.0f * (float)M_PI * u[0], asinf(2.0f * u[1] - 1.0f), direction.raw);
     for (uint32_t depth = 0; depth <= BOUNCES; depth++) {
-        struct RTCRayHit hit = {.ray = ray(origin, direction, INFINITY),
-                                .hit = {.geomID = RTC_INVALID_GEOMETRY_ID}};
+        struct RTCRayHit hit = ray(origin, direction, INFINITY);
         rnd_embree_intersect1(scene->tree, &hit);
         if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
             if (env && depth > 0) leave(env, direction, pdf, rnd_luminance(throughput.raw), &step[depth - 1]);

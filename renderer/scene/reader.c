@@ -1,22 +1,15 @@
-/* Starting the programs that read files, and what they hand over. */
-#include "scene/flat.h"
+/* Starting the programs that read files, and how they ended. */
 #include "scene/reader.h"
-#include "scene/scene.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <poll.h>
 #include <signal.h>
 #include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
-
-/* --- starting --- */
 
 enum { MOST_FDS = 4, FIRST_FD = 3, ABOVE_ALL = 16 };
 
@@ -33,14 +26,13 @@ static char **environment_of_reader(void)
     return list;
 }
 
-/* What a library says of a hostile file does not go to the terminal; what a sanitizer says does. */
+/* Libraries print what they think of a hostile file, and sanitizers report what crashes libraries: how the
+ * reader ended is told by this program. */
 static void silence(posix_spawn_file_actions_t *actions)
 {
     posix_spawn_file_actions_addopen(actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     posix_spawn_file_actions_addopen(actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
     posix_spawn_file_actions_addopen(actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-#endif
 }
 
 /* In a process group of its own, so that it is not told to stop by the terminal before this program is. */
@@ -103,96 +95,4 @@ void rnd_reader_why(int status, const struct rnd_reader_limits *limits, char *ou
         snprintf(out, size, "the reader crashed (signal %d)", number);
     else
         snprintf(out, size, "the reader ended with status %d", code);
-}
-
-/* --- a scene --- */
-
-static bool is_cancelled(const struct rnd_scene_options *options)
-{
-    return options->cancel && atomic_load(options->cancel);
-}
-
-/* Wait for the end of a reader: nobody has the other end of alive then. It keeps its limits itself; this is
- * for one that does not. */
-static int wait_for(pid_t pid, int alive, const struct rnd_scene_options *options,
-                    const struct rnd_reader_limits *limits)
-{
-    enum { LOOK_MS = 50 };
-    struct pollfd end = {.fd = alive, .events = POLLIN};
-    const time_t last = time(NULL) + 2 * (time_t)limits->seconds * RND_READER_PATIENCE;
-    int status = 0;
-    while (poll(&end, 1, LOOK_MS) == 0 && !is_cancelled(options) && time(NULL) <= last) continue;
-    if (!end.revents) kill(pid, SIGKILL);
-    while (waitpid(pid, &status, 0) < 0 && errno == EINTR) continue;
-    return status;
-}
-
-/* The line that a reader has left in place of a scene. */
-static void take_line(int memory, const char *path, char out_error[RND_ERROR_SIZE])
-{
-    const ssize_t length = pread(memory, out_error, RND_ERROR_SIZE - 1, 0);
-    out_error[length > 0 ? length : 0] = '\0';
-    if (!*out_error) snprintf(out_error, RND_ERROR_SIZE, "%.200s: the reader says nothing", path);
-    rnd_make_printable(out_error);
-}
-
-/* Take over what is in memory, once nobody can change it any more. */
-static bool take_over(struct rnd_scene *scene, int memory, const char *path, char out_error[RND_ERROR_SIZE])
-{
-    const int seals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE | F_SEAL_SEAL;
-    const off_t size = lseek(memory, 0, SEEK_END);
-    char why[RND_ERROR_SIZE / 2];
-    if (size <= 0 || fcntl(memory, F_ADD_SEALS, seals) != 0) {
-        snprintf(out_error, RND_ERROR_SIZE, "%.200s: the reader handed nothing over that can be used", path);
-        return false;
-    }
-    scene->flat = mmap(NULL, (size_t)size, PROT_READ, MAP_PRIVATE, memory, 0);
-    if (scene->flat == MAP_FAILED) {
-        scene->flat = NULL;
-        snprintf(out_error, RND_ERROR_SIZE, "not enough memory");
-        return false;
-    }
-    scene->flat_bytes = (size_t)size;
-    if (rnd_flat_take(scene, why, sizeof why)) return true;
-    snprintf(out_error, RND_ERROR_SIZE, "%.200s: the reader handed over %.200s", path, why);
-    return false;
-}
-
-bool rnd_scene_read(struct rnd_scene *scene, const struct rnd_scene_options *options,
-                    char out_error[RND_ERROR_SIZE])
-{
-    const struct rnd_reader_limits limits = rnd_reader_limits(options, options->path);
-    char number[3][24], why[RND_ERROR_SIZE / 2];
-    char *const arguments[] = {
-        "fovead-reader", number[0], number[1], number[2], (char *)(uintptr_t)options->path, NULL};
-    int memory = memfd_create("scene", MFD_CLOEXEC | MFD_ALLOW_SEALING), alive[2] = {-1, -1};
-    bool ok = false;
-    snprintf(number[0], sizeof number[0], "%ld", (long)getpid());
-    snprintf(number[1], sizeof number[1], "%u", limits.mib);
-    snprintf(number[2], sizeof number[2], "%u", limits.seconds);
-    if (memory < 0 || pipe2(alive, O_CLOEXEC) != 0) {
-        snprintf(out_error, RND_ERROR_SIZE, "cannot start a reader: %s", strerror(errno));
-        goto end;
-    }
-    const pid_t pid =
-        rnd_reader_start(arguments[0], arguments, (const int[]){memory, alive[1]}, 2, out_error);
-    close(alive[1]);
-    alive[1] = -1;
-    if (!pid) goto end;
-    const int status = wait_for(pid, alive[0], options, &limits);
-    if (is_cancelled(options)) {
-        snprintf(out_error, RND_ERROR_SIZE, "%.200s: nobody wants it any more", options->path);
-    } else if (WIFEXITED(status) && WEXITSTATUS(status) == 0) {
-        ok = take_over(scene, memory, options->path, out_error);
-    } else if (WIFEXITED(status) && WEXITSTATUS(status) == RND_READER_REFUSES) {
-        take_line(memory, options->path, out_error);
-    } else {
-        rnd_reader_why(status, &limits, why, sizeof why);
-        snprintf(out_error, RND_ERROR_SIZE, "%.200s: %s", options->path, why);
-    }
-end:
-    if (alive[0] >= 0) close(alive[0]);
-    if (alive[1] >= 0) close(alive[1]);
-    if (memory >= 0) close(memory);
-    return ok;
 }

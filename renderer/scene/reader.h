@@ -42,11 +42,4 @@ void rnd_reader_why(int status, const struct rnd_reader_limits *limits, char *ou
 /* image_reader.c: start the one that reads pictures, if it does not run. */
 void rnd_readers_expect(struct rnd_readers *readers);
 
-struct rnd_scene;
-
-/* Read the scene's file by fovead-reader: geometry, materials, punctual lights, and which textures there are.
- * False and a line in out_error. */
-bool rnd_scene_read(struct rnd_scene *scene, const struct rnd_scene_options *options,
-                    char out_error[RND_ERROR_SIZE]);
-
 #endif

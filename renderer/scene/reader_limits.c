@@ -1,7 +1,6 @@
 /* The limits of programs that read files; in both. */
 #include "scene/reader.h"
 
-#include <fcntl.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -49,21 +48,10 @@ void rnd_reader_limit_time(uint32_t seconds)
     setitimer(ITIMER_REAL, &wall, NULL);
 }
 
-/* Libraries print the words of their assertions, and sanitizers what crashes libraries: how the reader ended
- * is told by the program that it reads for. */
-static void keep_silent(void)
-{
-    const int nothing = open("/dev/null", O_WRONLY | O_CLOEXEC);
-    if (nothing < 0) return;
-    dup2(nothing, STDERR_FILENO);
-    close(nothing);
-}
-
 void rnd_reader_begin(pid_t parent, uint32_t mib)
 {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(RND_READER_REFUSES);
-    keep_silent();
     signal(SIGSEGV, SIG_DFL); /* a crash ends the reader as one, also where a sanitizer would report it */
     signal(SIGBUS, SIG_DFL);
     signal(SIGFPE, SIG_DFL);

@@ -153,7 +153,7 @@ struct rnd_scene {
     char unsupported[1024];
     struct rnd_warnings warnings, late_warnings; /* of the file; of textures that came later */
     bool one_sided;                              /* some of the materials are */
-    bool textures_measured; /* how large their files are is known */
+    bool textures_measured;                      /* how large their files are is known */
     uint32_t mesh_count, material_count, texture_count;
     struct rnd_mesh *mesh;
     struct rnd_material *material;
@@ -169,7 +169,7 @@ struct rnd_scene {
     struct rnd_alpha *alpha; /* of the meshes that are not there everywhere, for Embree's filters */
     RTCDevice device;
     RTCScene tree;
-    bool clear_glass;    /* as struct rnd_scene_options has it */
+    bool clear_glass; /* as struct rnd_scene_options has it */
     /* With the ids of tree; NULL: there are none. */
     RTCScene clear_tree;  /* of the meshes that rnd_is_clear() */
     RTCScene border_tree; /* of those whose material has a medium */
@@ -205,6 +205,9 @@ void rnd_mesh_finish(struct rnd_mesh *mesh);
 
 /* load.c: geometry, materials, textures and punctual lights of a file. */
 bool rnd_import(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE]);
+/* read_scene.c: the same, by fovead-reader, which is not believed. False and a line in out_error. */
+bool rnd_scene_read(struct rnd_scene *scene, const struct rnd_scene_options *options,
+                    char out_error[RND_ERROR_SIZE]);
 
 /* scene.c: add a name to the list of what is asked for and not done, once. */
 void rnd_scene_unsupported(struct rnd_scene *scene, const char *name);
@@ -222,7 +225,8 @@ struct rnd_image_reader rnd_scene_reader(const struct rnd_scene *scene);
 int rnd_texture_add(struct rnd_scene *scene, const char *path, const void *memory, size_t count,
                     enum rnd_pixels_use use, char out_error[RND_ERROR_SIZE]);
 /* Read those that were added and not read yet: all, or those that are marked as first. Those that cannot be
- * read say why in their error. All together take 2 GiB at most, and the largest do without their finest levels. */
+ * read say why in their error. All together take 2 GiB at most, and the largest do without their finest
+ * levels. */
 void rnd_textures_load(struct rnd_scene *scene, bool first);
 /* Take images that cannot be read from the scene's materials, with a warning of each file. */
 void rnd_textures_drop_unread(struct rnd_scene *scene, struct rnd_warnings *warnings);
