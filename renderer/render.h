@@ -20,7 +20,7 @@ struct rnd_run {
 struct rnd_render {
     const struct rnd_scene *scene;
     float eye[3];   /* in the scene's own coordinates */
-    uint64_t media; /* that it is in: path/media.h */
+    uint64_t media; /* rnd_media that the eye is in: path/media.h */
     const struct rnd_distribution *distribution;
     struct rnd_film film;
     pthread_mutex_t whole; /* held while the film is read as a whole, and while it is emptied */

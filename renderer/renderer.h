@@ -35,9 +35,9 @@ enum {
 
 struct rnd_scene;
 
-/* Files are read by programs that lie beside this one, fovead-reader and fovead-image-reader: a file that crashes
- * them, or has them take too much, is refused and takes nothing else with it. The second one takes a while to
- * start, and may serve many scenes. NULL if memory is short. */
+/* Files are read by programs that lie beside this one, fovead-reader and fovead-image-reader: a file that
+ * crashes them, or has them take too much, is refused and takes nothing else with it. The second one takes a
+ * while to start, and may serve many scenes. NULL if memory is short. */
 struct rnd_readers *rnd_readers_create(void);
 void rnd_readers_destroy(struct rnd_readers *readers); /* accepts NULL; after the scenes that have it */
 
@@ -55,10 +55,11 @@ struct rnd_scene_options {
      * what the glass lets through; paths do not find them behind it by chance. Far less noise, but no
      * caustics, and sharp shadows behind rough glass. Off: unbiased. */
     bool clear_glass;
-    /* Of the programs that read files for this one: MiB of memory and seconds of processor time that one may take
-     * for a file; 0: as reader_limits.c says. */
+    /* Limits of the programs that read files: MiB of memory, and seconds of processor time for one file; 0:
+     * the defaults of reader_limits.c. */
     uint32_t reader_mib, reader_seconds;
-    /* Who reads pictures, ready from scenes before; it must outlive the scene. NULL: a new one, the scene's. */
+    /* Who reads pictures, ready from scenes before; it must outlive the scene. NULL: a new one, the scene's.
+     */
     struct rnd_readers *readers;
     const atomic_bool *cancel; /* set by any thread as soon as the scene is not wanted any more; or NULL */
     bool has_eye;
@@ -268,10 +269,10 @@ float *rnd_image_read_channel(const char *path, const char *channel, int *out_wi
                               char out_error[RND_ERROR_SIZE]);
 
 /* Write RGB floats, linear: .exr as half floats where these hold them, else as floats; .png, .jpg and what
- * else OpenImageIO writes as 8-bit sRGB, clamped. The end of name tells the format. file is a regular one, open
- * for writing and empty. equirectangular: mark it as a 360-degree panorama. False with a line in out_error if
- * there is no such picture; that the disk was full is told by ferror(file) alone, to be asked by whoever
- * closes it. */
+ * else OpenImageIO writes as 8-bit sRGB, clamped. The end of name tells the format. file is a regular one,
+ * open for writing and empty. equirectangular: mark it as a 360-degree panorama. False with a line in
+ * out_error if the picture cannot be encoded. That the disk was full shows in ferror(file) alone: whoever
+ * closes the file checks it. */
 bool rnd_image_write(FILE *file, const char *name, int width, int height, const float *rgb,
                      bool equirectangular, char out_error[RND_ERROR_SIZE]);
 

@@ -31,7 +31,7 @@ struct crossing {
     uint32_t geometry, primitive, instance;
 };
 
-/* The borders that a ray crosses: those beyond MOST_CROSSINGS are left out. */
+/* The first MOST_CROSSINGS borders that Embree finds on a ray, by distance; it may find near ones late. */
 struct crossings {
     struct rnd_query query; /* comes first: Embree knows nothing else */
     const struct rnd_scene *scene;
@@ -52,7 +52,7 @@ static void note(const struct RTCFilterFunctionNArguments *args)
     const struct rnd_material *material = &to->scene->material[to->scene->mesh[mesh].material];
     const bool enters = ray->dir_x * hit->Ng_x + ray->dir_y * hit->Ng_y + ray->dir_z * hit->Ng_z < 0.0f;
     args->valid[0] = 0;
-    if (!material->medium || to->count == MOST_CROSSINGS) return;
+    if (to->count == MOST_CROSSINGS) return;
     if (to->of_eye && material->one_sided && !enters) return;
     uint32_t i = 0; /* Embree may tell of a triangle twice */
     for (; i < to->count; i++) {
@@ -79,8 +79,8 @@ static void find(const struct rnd_scene *scene, bool of_eye, struct rnd_v3 origi
 
 /* --- borders --- */
 
-/* What is between two media for a ray that comes from those before. A back that is met from outside of its
- * medium, as far as is known, is believed: the medium is in front of it. */
+/* The border between two media, for a ray that comes from those before. A ray that meets a back although its
+ * path is not known to be in that medium is in it: the surface is right. */
 static struct rnd_interface between(const struct rnd_scene *scene, rnd_media before, rnd_media behind,
                                     const struct rnd_surface *surface)
 {
@@ -93,8 +93,9 @@ static struct rnd_interface between(const struct rnd_scene *scene, rnd_media bef
         .eta = medium[to].ior / medium[front].ior,
         .squeeze = squeeze * squeeze,
         .inside = front == own,
-        .glass =
-            (front == own || to == own) && other < RND_GLASS_MEDIA ? surface->material->glass[other] : NULL,
+        .glass = (front == own || to == own) && medium[other].index < RND_GLASS_INDICES
+                     ? surface->material->glass[medium[other].index]
+                     : NULL,
         .hidden = front == to,
     };
 }
@@ -103,14 +104,14 @@ rnd_media rnd_media_pass(const struct rnd_scene *scene, rnd_media media, const s
                          struct rnd_surface *surface)
 {
     const uint32_t own = surface->material->medium;
-    /* From just before the point, since what lies in it may be before it by rounding, to where the path goes
-     * on. */
+    /* Search from just before the point, where rounding may have put borders that lie in it, to where the
+     * path goes on. */
     const float before = border->off / 16.0f;
     struct crossings found;
     find(scene, false, rnd_v3_muladd(border->normal, before, border->at), rnd_v3_scale(border->normal, -1.0f),
          before + border->off, &found);
-    /* What is left together with this border is left first: in the order of the ray all else might be the
-     * innermost in between. */
+    /* Leave media before entering any: in the order of the ray another one could be the innermost in between.
+     */
     rnd_media behind = surface->front ? media : rnd_media_leave(media, own);
     for (int enters = 0; enters < 2; enters++) {
         if (enters && surface->front) behind = rnd_media_enter(behind, own);

@@ -136,7 +136,7 @@ void rnd_pool_run_all(struct rnd_pool *pool, void (*work)(void *context, int wor
 
 struct sharing {
     uint32_t count, turn;
-    _Atomic uint32_t next; /* that no thread has taken yet */
+    _Atomic uint32_t next; /* the first that no thread has taken yet */
     void (*work)(void *context, uint32_t first, uint32_t end);
     void *context;
 };

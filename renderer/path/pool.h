@@ -23,8 +23,8 @@ void rnd_pool_destroy(struct rnd_pool *pool); /* accepts NULL */
  * until none is left. A thread that the system lets run late is then not waited for: it has nothing to do.
  * Returns when all calls have. What was written before is seen by all, and what they wrote is seen after. */
 void rnd_pool_run(struct rnd_pool *pool, void (*work)(void *context, int worker), void *context);
-/* Call work(context, first, end) for all of 0 to count - 1, turn of them at a time, on whichever threads
- * come. */
+/* Split 0 to count - 1 into pieces of turn, of which the last may be smaller, and call work(context, first,
+ * end) once for each, on any of the threads. */
 void rnd_pool_share(struct rnd_pool *pool, uint32_t count, uint32_t turn,
                     void (*work)(void *context, uint32_t first, uint32_t end), void *context);
 /* As rnd_pool_run(), but every thread makes its call, once. */

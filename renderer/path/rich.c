@@ -132,7 +132,7 @@ static struct parting part(const struct view *v, float cosine)
     return out;
 }
 
-/* Reflectance ahead at an index over another of what has layers.f0 in air. */
+/* Reflectance ahead of glass whose f0 in air is layers.f0, at the relative index eta. */
 static struct rnd_v3 reflectance_ahead(const struct rnd_layers *l, float ior, float eta)
 {
     const float air = (ior - 1.0f) / (ior + 1.0f), here = (eta - 1.0f) / (eta + 1.0f), r = here * here;
@@ -298,8 +298,8 @@ static vec3s evaluate(const struct view *v, vec3s world, float *out_pdf)
     return rnd_from_v3(sum);
 }
 
-/* Glass in which no lobe is wide: nothing but its own drawn directions finds light. */
-static bool is_clear_glass(const struct rnd_surface *s)
+/* Smooth glass without any other lobe: drawn lights never lie in its single directions. */
+static bool is_smooth_glass(const struct rnd_surface *s)
 {
     return s->alpha <= RND_MIN_ALPHA && s->layers.transmission == 1.0f && s->metallic == 0.0f &&
            s->layers.coat == 0.0f && glms_vec3_max(s->layers.sheen) == 0.0f;
@@ -308,7 +308,7 @@ static bool is_clear_glass(const struct rnd_surface *s)
 vec3s rnd_rich_bsdf(const struct rnd_surface *surface, vec3s wo, vec3s wi, float *out_pdf)
 {
     *out_pdf = 0.0f;
-    if (surface->material->unlit || surface->between.hidden || is_clear_glass(surface))
+    if (surface->material->unlit || surface->between.hidden || is_smooth_glass(surface))
         return glms_vec3_zero();
     const struct view v = view_of(surface, wo);
     return evaluate(&v, wi, out_pdf);

@@ -16,7 +16,7 @@ enum { SURE_BOUNCES = 1 };
 
 /* What a chosen light brings if it is not hidden, from what of it the surface scatters (times cosine), and
  * the density with which the surface would have drawn its direction; 0 if that is nothing. */
-RND_INLINE struct rnd_v3 brought(struct rnd_tracer *tracer, size_t j, struct rnd_v3 f, float pdf)
+RND_INLINE struct rnd_v3 contribution(struct rnd_tracer *tracer, size_t j, struct rnd_v3 f, float pdf)
 {
     const struct rnd_light_choices *lights = &tracer->lights;
     const float chosen = lights->pdf[j], safe = rnd_larger(chosen, 1e-37f);
@@ -38,7 +38,7 @@ static void light_matt(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
         const float cosine = rnd_v3_dot(wi, rnd_get(&s->normal, j)),
                     above = rnd_v3_dot(wi, rnd_get(&s->geometric, j));
         const float pdf = (cosine > 0.0f) & (above > 0.0f) ? cosine / RND_PI : 0.0f;
-        rnd_put(&to->brought, j, brought(tracer, j, rnd_v3_scale(rnd_get(&s->base, j), pdf), pdf));
+        rnd_put(&to->contribution, j, contribution(tracer, j, rnd_v3_scale(rnd_get(&s->base, j), pdf), pdf));
     }
 }
 
@@ -81,7 +81,7 @@ static void folded(struct rnd_tracer *tracer, size_t j)
     struct rnd_v3 f, local, weight;
     float pdf;
     rnd_mr_eval_folded(&m, geometric, wo, light, &f, &pdf);
-    rnd_put(&to->brought, j, brought(tracer, j, f, pdf));
+    rnd_put(&to->contribution, j, contribution(tracer, j, f, pdf));
     rnd_mr_draw_folded(&m, geometric, wo, tracer->number[0][j], tracer->number[1][j], tracer->number[2][j],
                        &local, &weight, &pdf);
     rnd_put(&to->direction, j, rnd_v3_to_world(&frame, local));
@@ -117,7 +117,7 @@ static void metal_rough(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
         folds[j] = ((height > 0.0f) & (local_light.z > twice * height)) |
                    ((pdf > 0.0f) & ((above <= 0.0f) | (local.z > twice * above)));
         any |= folds[j];
-        rnd_put(&to->brought, j, brought(tracer, j, rnd_v3_scale(f, lit), light_pdf));
+        rnd_put(&to->contribution, j, contribution(tracer, j, rnd_v3_scale(f, lit), light_pdf));
         rnd_put(&to->direction, j, wi);
         rnd_put(&to->weight, j, weight);
         to->pdf[j] = (above > 0.0f) & (pdf > 0.0f) ? pdf : -1.0f;
@@ -176,9 +176,9 @@ static void rich(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
         if (lights->pdf[j] > 0.0f && !is_drawn_before(tracer, j)) {
             float pdf;
             const vec3s f = rnd_bsdf(surface, wo, rnd_from_v3(rnd_get(&lights->direction, j)), &pdf);
-            if (glms_vec3_max(f) > 0.0f) light = brought(tracer, j, rnd_to_v3(f), pdf);
+            if (glms_vec3_max(f) > 0.0f) light = contribution(tracer, j, rnd_to_v3(f), pdf);
         }
-        rnd_put(&to->brought, j, light);
+        rnd_put(&to->contribution, j, light);
         const float u[3] = {tracer->number[0][j], tracer->number[1][j], tracer->number[2][j]};
         to->pdf[j] = -1.0f;
         if (!rnd_bsdf_draw(surface, wo, u, &sample)) continue;
@@ -199,12 +199,11 @@ static rnd_media media_towards(const struct rnd_tracer *tracer, uint32_t j,
     return above ? tracer->paths[1].media[j] : s->behind[j];
 }
 
-/* What media leave of the chosen lights on their way; where glass is clear, that is asked once the glass is
- * known.
- */
+/* Weigh the chosen lights by the media on their way. Where glass is clear, pass_glass() does so after the
+ * shadow ray. */
 static void weigh_by_media(struct rnd_tracer *tracer, uint32_t count)
 {
-    struct rnd_vectors *light = &tracer->scatters.brought;
+    struct rnd_vectors *light = &tracer->scatters.contribution;
     for (uint32_t j = 0; j < count; j++) {
         const rnd_media media = media_towards(tracer, j, &tracer->lights.direction);
         if (media)
@@ -226,7 +225,7 @@ static void cast_shadows(struct rnd_tracer *tracer, uint32_t count)
     uint32_t *order = tracer->order, n = 0;
     for (uint32_t j = 0; j < count; j++) {
         order[n] = j;
-        n += rnd_v3_luminance(rnd_get(&tracer->scatters.brought, j)) > 0.0f;
+        n += rnd_v3_luminance(rnd_get(&tracer->scatters.contribution, j)) > 0.0f;
     }
     to->count = n;
 #pragma GCC ivdep
@@ -247,7 +246,7 @@ static void cast_shadows(struct rnd_tracer *tracer, uint32_t count)
         rnd_put(&to->direction, i, rnd_v3_scale(towards, 1.0f / length));
         to->distance[i] = (ends ? length : far) * (1.0f - 1e-4f);
         to->id[i] = paths->id[j];
-        rnd_put(&to->radiance, i, rnd_clamp_firefly(rnd_get(&tracer->scatters.brought, j), limit));
+        rnd_put(&to->radiance, i, rnd_clamp_firefly(rnd_get(&tracer->scatters.contribution, j), limit));
     }
     for (uint32_t i = 0; tracer->scene->clear_tree && i < n; i++)
         to->through[i] =

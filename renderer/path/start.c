@@ -23,8 +23,8 @@ void ISA(rnd_start)(struct rnd_tracer *tracer, const float eye[3], uint32_t coun
         paths->index[i] = index;
     }
     if (tracer->scene->clear_tree) memset(paths->stood_for, 0, count * sizeof *paths->stood_for);
-    for (uint32_t i = 0; rnd_has_media(tracer) && i < count; i++) paths->media[i] = tracer->eye;
-    const float index = tracer->scene->medium[rnd_media_innermost(tracer->eye)].ior,
+    for (uint32_t i = 0; rnd_has_media(tracer) && i < count; i++) paths->media[i] = tracer->eye_media;
+    const float index = tracer->scene->medium[rnd_media_innermost(tracer->eye_media)].ior,
                 whole = 1.0f / (index * index);
     for (uint32_t i = 0; i < count; i++) {
         rnd_put(&paths->origin, i, rnd_v3(eye[0], eye[1], eye[2]));

@@ -35,9 +35,14 @@ void rnd_tape_destroy(struct rnd_tape *tape)
 }
 
 /* Arrays begin at lines of the cache, as the tracer's do. */
+static size_t padded(uint32_t count)
+{
+    return (count + 15u) & ~(size_t)15;
+}
+
 static float *array(struct call *call, int index)
 {
-    return call->data + (size_t)index * ((call->count + 15u) & ~15u);
+    return call->data + (size_t)index * padded(call->count);
 }
 
 static void record(struct rnd_tape *tape, bool coherent, bool shadows, const struct rnd_embree_rays *rays,
@@ -47,7 +52,7 @@ static void record(struct rnd_tape *tape, bool coherent, bool shadows, const str
                                      rays->direction[0], rays->direction[1], rays->direction[2],
                                      rays->distance};
     const size_t arrays = RAY_ARRAYS + (shadows ? 0 : HIT_ARRAYS),
-                 bytes = arrays * ((count + 15u) & ~15u) * sizeof(float);
+                 bytes = arrays * padded(count) * sizeof(float);
     struct call *call = aligned_alloc(64, (sizeof *call + bytes + 63) & ~(size_t)63);
     if (!call) {
         tape->broken = true;
@@ -72,8 +77,8 @@ void rnd_tape_occlude(struct rnd_tape *tape, const struct rnd_embree_rays *rays,
 
 static void play(struct call *call, RTCScene scene)
 {
-    float *f[RAY_ARRAYS + HIT_ARRAYS];
-    for (int i = 0; i < RAY_ARRAYS + HIT_ARRAYS; i++) f[i] = array(call, i);
+    float *f[RAY_ARRAYS + HIT_ARRAYS] = {0};
+    for (int i = 0; i < RAY_ARRAYS + (call->shadows ? 0 : HIT_ARRAYS); i++) f[i] = array(call, i);
     const struct rnd_embree_rays rays = {{f[0], f[1], f[2]}, {f[3], f[4], f[5]}, f[6]};
     const struct rnd_embree_hits hits = {
         {f[7], f[8], f[9]}, f[10], f[11], (unsigned *)f[12], (unsigned *)f[13], (unsigned *)f[14]};

@@ -110,7 +110,7 @@ uint64_t rnd_trace(struct rnd_tracer *tracer, const float eye[3], rnd_media medi
     const uint64_t rays = tracer->rays;
     uint64_t last_ns = now_ns();
     tracer->io = io;
-    tracer->eye = media;
+    tracer->eye_media = media;
     stages->start(tracer, eye, count);
     for (tracer->depth = 0; count > 0; tracer->depth++) {
         rnd_intersect(tracer, &tracer->paths[0], count, tracer->depth == 0);

@@ -44,7 +44,8 @@ void rnd_tracer_reset(struct rnd_tracer *tracer);
 void rnd_tracer_stages(const struct rnd_tracer *tracer, struct rnd_batch *batch);
 
 /* Trace count paths (at most RND_WAVE) from the eye, which is in those media (path/media.h), to their ends.
- * Neighbours should be neighbours: packets are formed in the order given. Returns the number of rays. */
+ * Paths next to each other in the wave should point in similar directions: packets are formed in that order.
+ * Returns the number of rays. */
 uint64_t rnd_trace(struct rnd_tracer *tracer, const float eye[3], rnd_media media, struct rnd_wave_io *io,
                    uint32_t count);
 

@@ -83,8 +83,8 @@ struct rnd_areas {
 
 /* What surfaces do: with the chosen light, and where the paths go on. */
 struct rnd_scatters {
-    struct rnd_vectors brought; /* radiance that the path brings if the light is not hidden */
-    rnd_floats share;           /* MIS weight of the chosen light */
+    struct rnd_vectors contribution; /* radiance that the path contributes if the light is not hidden */
+    rnd_floats share;                /* MIS weight of the chosen light */
     struct rnd_vectors direction, weight;
     rnd_floats pdf; /* of the direction; 0: a single direction; negative: the path ends */
 };
@@ -109,7 +109,7 @@ struct rnd_shadows {
     /* In scenes with clear glass: factor of light that came through it, which takes the MIS weight away,
      * since no path finds that light by chance; 0: light through glass does not count. */
     rnd_floats through;
-    rnd_medias media; /* in scenes with both, those that the ray begins in */
+    rnd_medias media; /* in scenes with clear glass and media: those that the ray begins in */
     rnd_words id;     /* as of paths */
 };
 
@@ -133,7 +133,7 @@ struct rnd_tracer {
 
     /* of the wave under way */
     struct rnd_wave_io *io;
-    rnd_media eye; /* what it is in */
+    rnd_media eye_media; /* that the eye is in */
     int depth;
     struct rnd_paths paths[2]; /* paths of the step, and where those that go on are put */
     struct rnd_hits hits;

@@ -34,6 +34,26 @@ static void attach_instance(const struct rnd_scene *scene, uint32_t i, RTCScene 
     rtcReleaseGeometry(geometry);
 }
 
+static bool is_wanted(const struct rnd_scene *scene)
+{
+    return !scene->cancel || !atomic_load(scene->cancel);
+}
+
+/* Embree asks this while it builds a tree. */
+static bool goes_on(void *argument, double share)
+{
+    (void)share;
+    return is_wanted(argument);
+}
+
+static RTCScene new_tree(const struct rnd_scene *scene, enum RTCSceneFlags flags)
+{
+    RTCScene tree = rtcNewScene(scene->device);
+    rtcSetSceneProgressMonitorFunction(tree, goes_on, (void *)(uintptr_t)scene);
+    rtcSetSceneFlags(tree, flags);
+    return tree;
+}
+
 /* The tree of some meshes alone, with the ids of the whole tree. NULL if there are none. */
 static RTCScene part_of(const struct rnd_scene *scene, RTCScene *part, enum RTCSceneFlags flags,
                         bool (*has)(const struct rnd_scene *, uint32_t))
@@ -41,8 +61,7 @@ static RTCScene part_of(const struct rnd_scene *scene, RTCScene *part, enum RTCS
     bool any = false;
     for (uint32_t i = 0; i < scene->mesh_count; i++) any |= has(scene, i);
     if (!any) return NULL;
-    RTCScene tree = rtcNewScene(scene->device);
-    rtcSetSceneFlags(tree, flags);
+    RTCScene tree = new_tree(scene, flags);
     for (uint32_t i = 0; i < scene->mesh_count; i++)
         if (has(scene, i) && !scene->mesh[i].instanced) attach_mesh(scene, i, tree, i);
     for (uint32_t i = 0; i < scene->instance_count; i++)
@@ -55,14 +74,6 @@ static RTCScene part_of(const struct rnd_scene *scene, RTCScene *part, enum RTCS
 static bool has_medium(const struct rnd_scene *scene, uint32_t mesh)
 {
     return scene->material[scene->mesh[mesh].material].medium != 0;
-}
-
-/* Asked by Embree now and then: is the tree still wanted? */
-static bool goes_on(void *argument, double share)
-{
-    const struct rnd_scene *scene = argument;
-    (void)share;
-    return !atomic_load(scene->cancel);
 }
 
 bool rnd_accel_build(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE])
@@ -79,32 +90,32 @@ bool rnd_accel_build(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE])
         free(part);
         return false;
     }
-    scene->tree = rtcNewScene(scene->device);
-    if (scene->cancel) rtcSetSceneProgressMonitorFunction(scene->tree, goes_on, scene);
     for (uint32_t i = 0; i < scene->material_count; i++) scene->one_sided |= scene->material[i].one_sided;
-    if (scene->one_sided) rtcSetSceneFlags(scene->tree, RND_SCENE_QUERY_FILTER);
+    const enum RTCSceneFlags flags = scene->one_sided ? RND_SCENE_QUERY_FILTER : RTC_SCENE_FLAG_NONE;
+    scene->tree = new_tree(scene, flags);
     if (scene->info.triangles <= SPLIT_TRIANGLES)
         rtcSetSceneBuildQuality(scene->tree, RTC_BUILD_QUALITY_HIGH);
-    for (uint32_t i = 0; i < scene->mesh_count; i++) {
+    for (uint32_t i = 0; i < scene->mesh_count && is_wanted(scene); i++) {
         if (!scene->mesh[i].instanced) {
             attach_mesh(scene, i, scene->tree, i);
             continue;
         }
-        part[i] = rtcNewScene(scene->device);
-        if (scene->one_sided || has_medium(scene, i)) rtcSetSceneFlags(part[i], RND_SCENE_QUERY_FILTER);
+        part[i] = new_tree(scene, has_medium(scene, i) ? RND_SCENE_QUERY_FILTER : flags);
         attach_mesh(scene, i, part[i], 0);
         rtcCommitScene(part[i]);
     }
-    for (uint32_t i = 0; i < scene->instance_count; i++)
-        attach_instance(scene, i, part[scene->instance[i].mesh], scene->tree);
-    scene->clear_tree = part_of(scene, part, RTC_SCENE_FLAG_NONE, rnd_is_clear);
-    scene->border_tree = part_of(scene, part, RND_SCENE_QUERY_FILTER, has_medium);
+    if (is_wanted(scene)) { /* else some of the parts are not there, or not whole */
+        for (uint32_t i = 0; i < scene->instance_count; i++)
+            attach_instance(scene, i, part[scene->instance[i].mesh], scene->tree);
+        scene->clear_tree = part_of(scene, part, RTC_SCENE_FLAG_NONE, rnd_is_clear);
+        scene->border_tree = part_of(scene, part, RND_SCENE_QUERY_FILTER, has_medium);
+        rtcCommitScene(scene->tree);
+    }
     for (uint32_t i = 0; i < scene->mesh_count; i++)
         if (part[i]) rtcReleaseScene(part[i]); /* its instances hold it */
     free(part);
-    rtcCommitScene(scene->tree);
     const enum RTCError code = rtcGetDeviceError(scene->device);
-    if (code == RTC_ERROR_NONE) return true;
+    if (code == RTC_ERROR_NONE && is_wanted(scene)) return true;
     snprintf(out_error, RND_ERROR_SIZE, "Embree could not build its tree (error %d)", (int)code);
     return false;
 }

@@ -68,11 +68,12 @@ static FILE *from_first_material(struct rnd_import *in, const char *path, FILE *
     const int memory = memfd_create("mtl", MFD_CLOEXEC);
     FILE *to = memory >= 0 ? fdopen(memory, "w+") : NULL;
     if (memory >= 0 && !to) close(memory);
-    for (int number = 1; to && ok && getline(&line, &room, from) >= 0; number++) {
+    ssize_t length;
+    for (int number = 1; to && ok && (length = getline(&line, &room, from)) >= 0; number++) {
         const char *word = line + strspn(line, " \t\r\n");
         begun = begun || strncmp(word, "newmtl", 6) == 0;
         if (begun)
-            ok = fputs(line, to) >= 0;
+            ok = fwrite(line, 1, (size_t)length, to) == (size_t)length; /* it may hold NULs */
         else if (*word && *word != '#')
             rnd_warn(&in->scene->warnings,
                      "%.200s: line %d: %.*s: expected newmtl before it; it is passed over", path, number,

@@ -1,5 +1,5 @@
-/* Embree 3.13 and Embree 4 under one set of names. embree.c alone knows how the two differ; CMake sets
- * RND_EMBREE to the first number of the version. */
+/* Embree 3.13 and Embree 4 under one set of names. The names below and embree.c alone know how the two
+ * differ; CMake sets RND_EMBREE to the first number of the version. */
 #ifndef FOVEAD_RENDERER_EMBREE_H
 #define FOVEAD_RENDERER_EMBREE_H
 
@@ -22,7 +22,7 @@ struct rnd_query {
     struct rnd_query_context embree;
 };
 
-/* The first hit of one ray; everything in its mask is hit. */
+/* The first hit of one ray, which hits whatever its mask allows. */
 void rnd_embree_intersect1(RTCScene scene, struct RTCRayHit *ray);
 /* The first hit that the filter accepts. The scene has the flag RND_SCENE_QUERY_FILTER. */
 void rnd_embree_intersect1_filtered(RTCScene scene, struct rnd_query *query, RTCFilterFunctionN filter,

@@ -34,7 +34,7 @@ struct filling {
     size_t channels;
     bool too_large;
     size_t bad, first; /* texels that are no radiance, and the first of them */
-    float what;        /* is there */
+    float first_value; /* of that texel */
 };
 
 /* 16384 x 8192: 2 GiB of texels, and 1 GiB of tables. */
@@ -68,7 +68,7 @@ static bool take_rows(struct rnd_pixels_sink *sink, int first_row, int rows, con
         for (size_t c = 0; c < 3; c++) {
             const float value = ((const float *)pixels)[n * i + (n >= 3 ? c : 0)];
             const bool fits = value >= 0.0f && value <= MOST_RADIANCE;
-            if (good && !fits && filling->bad == 0) filling->first = before + i, filling->what = value;
+            if (good && !fits && filling->bad == 0) filling->first = before + i, filling->first_value = value;
             good = good && fits;
             env->texel[before + i][c] = fits ? value : value > MOST_RADIANCE ? INFINITE_RADIANCE : 0.0f;
         }
@@ -77,13 +77,13 @@ static bool take_rows(struct rnd_pixels_sink *sink, int first_row, int rows, con
     return true;
 }
 
-static void warn_of_clamped(struct rnd_scene *scene, const char *path, const struct filling *filling)
+static void warn_of_clamped(const char *path, const struct filling *filling, char out_warning[RND_ERROR_SIZE])
 {
     const size_t width = (size_t)filling->env->width;
     if (filling->bad == 0) return;
-    rnd_warn(&scene->warnings,
+    snprintf(out_warning, RND_ERROR_SIZE,
              "%.200s: the pixel at x %zu, y %zu is %g, which is no radiance; pixels clamped to 0 to %g: %zu",
-             path, filling->first % width, filling->first / width, (double)filling->what,
+             path, filling->first % width, filling->first / width, (double)filling->first_value,
              (double)INFINITE_RADIANCE, filling->bad);
 }
 
@@ -167,12 +167,13 @@ bool rnd_env_choose(const struct rnd_env *env, const float probability[RND_ENV_R
 }
 
 bool rnd_env_load(struct rnd_scene *scene, const char *path, float azimuth_deg,
-                  char out_error[RND_ERROR_SIZE])
+                  char out_warning[RND_ERROR_SIZE], char out_error[RND_ERROR_SIZE])
 {
     struct rnd_env *env = scene->lights.env = calloc(1, sizeof *env);
     struct filling filling = {.sink = {begin, take_rows}, .env = env};
     char text[RND_ERROR_SIZE / 2] = "not enough memory";
     bool ok = false, black = false;
+    *out_warning = '\0';
     if (env) {
         struct rnd_image_reader reader = rnd_scene_reader(scene);
         env->turn = -azimuth_deg / 360.0f;
@@ -186,11 +187,10 @@ bool rnd_env_load(struct rnd_scene *scene, const char *path, float azimuth_deg,
         return false;
     }
     if (!ok) {
-        snprintf(out_error, RND_ERROR_SIZE, "%.200s: %s%s", path,
-                 strncmp(text, "the reader", 10) == 0 ? "" : "not a readable environment map: ", text);
+        snprintf(out_error, RND_ERROR_SIZE, "%.200s: %s", path, text);
         return false;
     }
-    warn_of_clamped(scene, path, &filling);
+    warn_of_clamped(path, &filling, out_warning);
     ok = make_tables(env, &black) && !black;
     if (!ok)
         snprintf(out_error, RND_ERROR_SIZE, "%.200s: %s", path,

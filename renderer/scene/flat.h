@@ -1,8 +1,8 @@
 /* A scene as its file has it, in one piece of memory without pointers: how fovead-reader hands it over.
  *
  * Places are bytes from the beginning; 0 is nowhere. Numbers are as this machine has them: both programs are
- * of the same build, which the head says. What a hostile file has made of the reader may have written
- * anything, so that nothing of it is used before it has been checked.
+ * of the same build, which the head says. The reader may have been taken over by a hostile file and may
+ * have written anything: every part is checked before it is used.
  */
 #ifndef FOVEAD_RENDERER_FLAT_H
 #define FOVEAD_RENDERER_FLAT_H

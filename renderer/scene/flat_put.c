@@ -27,8 +27,8 @@ static void write_all(struct put *put, const void *bytes, size_t count)
     }
 }
 
-/* Append bytes, and what makes the next ones begin at a multiple of ALIGN, at least a float. Returns where
- * they are. */
+/* Append bytes, then zeros up to a multiple of ALIGN, one float of them at least (Embree's wide loads).
+ * Returns where the bytes are. */
 static uint64_t put_bytes(struct put *put, const void *bytes, size_t count)
 {
     static const char zeros[2 * ALIGN];

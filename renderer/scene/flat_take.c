@@ -1,5 +1,4 @@
-/* Taking a scene over: everything is checked that the renderer takes for granted of what readers hand over.
- */
+/* Taking a scene over: checks everything that the renderer takes for granted in a scene. */
 #include "scene/flat.h"
 #include "scene/material.h"
 
@@ -13,6 +12,7 @@ struct take {
     struct rnd_scene *scene;
     const uint8_t *bytes;
     size_t size;
+    size_t left; /* bytes that no part has yet: parts share none, so that nothing is multiplied */
     char *why;
     size_t why_size;
 };
@@ -30,19 +30,23 @@ static bool fail(struct take *take, const char *format, ...)
 
 /* --- places --- */
 
-/* count elements of that size, and room bytes more, at a place. NULL if they are not all within the memory.
- */
-static const void *part(const struct take *take, uint64_t at, uint64_t count, size_t size, size_t room)
+/* count elements of that size, and room bytes more, at a place. NULL if they are not all within the memory,
+ * or more is asked for in all than there is. */
+static const void *part(struct take *take, uint64_t at, uint64_t count, size_t size, size_t room)
 {
     enum { ALIGN = 16 };
     if (at == 0 || at % ALIGN != 0 || at > take->size || take->size - at < room) return NULL;
-    return count <= (take->size - at - room) / size ? take->bytes + at : NULL;
+    if (count > (take->size - at - room) / size || count * size > take->left) return NULL;
+    take->left -= count * size;
+    return take->bytes + at;
 }
 
-static const char *text_at(const struct take *take, uint64_t at)
+static const char *text_at(struct take *take, uint64_t at)
 {
-    const char *text = part(take, at, 1, 1, 0);
-    return text && memchr(text, 0, take->size - at) ? text : NULL;
+    const char *text = part(take, at, 1, 1, 0), *end = text ? memchr(text, 0, take->size - at) : NULL;
+    if (!end || (size_t)(end - text) > take->left) return NULL;
+    take->left -= (size_t)(end - text);
+    return text;
 }
 
 /* A list, copied; of one element at least. NULL and why if it is not there, or memory is short. The caller
@@ -162,7 +166,7 @@ static bool take_texture(struct take *take, const struct rnd_flat_texture *from,
     *to = (struct rnd_texture){.path = strdup(path),
                                .use = (enum rnd_pixels_use)from->use,
                                .file = file,
-                               .file_bytes = from->file.count};
+                               .file_bytes = file ? from->file.count : 0};
     return to->path || fail(take, "more than there is memory for");
 }
 
@@ -184,8 +188,8 @@ static bool take_textures(struct take *take, const struct rnd_flat_head *head)
 /* --- meshes and their places --- */
 
 /* n numbers a vertex within a range, if there are any. The array is not written to. */
-static bool take_attribute(const struct take *take, uint64_t at, const struct rnd_mesh *mesh, size_t n,
-                           float low, float high, float **out)
+static bool take_attribute(struct take *take, uint64_t at, const struct rnd_mesh *mesh, size_t n, float low,
+                           float high, float **out)
 {
     if (at == 0) return true;
     const float *from = part(take, at, mesh->vertices, n * sizeof *from, sizeof *from);
@@ -193,7 +197,7 @@ static bool take_attribute(const struct take *take, uint64_t at, const struct rn
     return from && within(from, n * mesh->vertices, low, high);
 }
 
-static bool take_indices(const struct take *take, uint64_t at, struct rnd_mesh *mesh)
+static bool take_indices(struct take *take, uint64_t at, struct rnd_mesh *mesh)
 {
     const uint32_t *index = part(take, at, mesh->triangles, sizeof *mesh->index, 0);
     uint32_t most = 0;
@@ -203,7 +207,7 @@ static bool take_indices(const struct take *take, uint64_t at, struct rnd_mesh *
     return most < mesh->vertices;
 }
 
-static bool take_mesh(const struct take *take, const struct rnd_flat_mesh *from, struct rnd_mesh *to)
+static bool take_mesh(struct take *take, const struct rnd_flat_mesh *from, struct rnd_mesh *to)
 {
     const float most = MOST_COORDINATE;
     *to = (struct rnd_mesh){.vertices = from->vertices,
@@ -296,7 +300,7 @@ static bool take_rest(struct take *take, const struct rnd_flat_head *head)
 
 bool rnd_flat_take(struct rnd_scene *scene, char *out_why, size_t size)
 {
-    struct take take = {scene, scene->flat, scene->flat_bytes, out_why, size};
+    struct take take = {scene, scene->flat, scene->flat_bytes, scene->flat_bytes, out_why, size};
     struct rnd_flat_head head;
     if (take.size < sizeof head) return fail(&take, "less than a scene");
     memcpy(&head, take.bytes, sizeof head);

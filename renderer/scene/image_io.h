@@ -64,8 +64,8 @@ struct rnd_channel {
 
 /* Write interleaved floats to a regular file that is open for writing and empty; every channel is stored as
  * its type says (bytes: from 0..1). equirectangular sets the marks by which a viewer of the file's format
- * knows a 360-degree panorama. format is a file name extension. A failed write is told by ferror(file) alone:
- * the libraries behind this would crash, or take it for none. */
+ * knows a 360-degree panorama. format is a file name extension. Ask ferror(file) whether a write failed: the
+ * libraries behind this crash on a failed write, or ignore it. */
 bool rnd_pixels_write(FILE *file, const char *format, int width, int height, int channels,
                       const struct rnd_channel *channel, const float *data, bool equirectangular,
                       char *out_error, size_t error_size);

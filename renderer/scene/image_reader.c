@@ -5,13 +5,11 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <pthread.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 /* --- the program --- */
@@ -110,7 +108,7 @@ static bool get_copy(struct rnd_image_reader *reader, char *out_error, size_t er
 struct wanted {
     struct rnd_image_reader *reader;
     struct rnd_reader_limits limits; /* of this file */
-    time_t last;                     /* when patience ends */
+    double last;                     /* when patience ends: rnd_reader_now() */
     const char *path;
     const void *memory; /* NULL: it is a file */
     size_t count;       /* bytes of that */
@@ -120,7 +118,7 @@ struct wanted {
     struct rnd_picture picture;
     char *error;
     size_t error_size;
-    bool lost; /* the copy has ended without a word of why: before it was one, as it seems */
+    bool lost; /* the copy ended before the picture began, and no status came: another one is asked once */
 };
 
 static bool fail(struct wanted *wanted, const char *what)
@@ -136,13 +134,13 @@ static bool wait_for(struct wanted *wanted, short events)
     enum { LOOK_MS = 50 };
     struct rnd_image_reader *reader = wanted->reader;
     struct pollfd one = {.fd = reader->socket, .events = events};
-    while (poll(&one, 1, LOOK_MS) <= 0) {
+    for (;;) {
         for (int i = 0; i < 2; i++)
             if (reader->cancel[i] && atomic_load(reader->cancel[i]))
                 return fail(wanted, "nobody wants it any more");
-        if (time(NULL) > wanted->last) return fail(wanted, "the reader says nothing any more");
+        if (rnd_reader_now() > wanted->last) return fail(wanted, "the reader is not done in time");
+        if (poll(&one, 1, LOOK_MS) > 0) return true;
     }
-    return true;
 }
 
 static bool send_packet(struct wanted *wanted, enum rnd_image_packet kind, const void *bytes, size_t count)
@@ -166,7 +164,7 @@ static ssize_t receive_packet(struct wanted *wanted, enum rnd_image_packet *out_
         got = rnd_image_receive(wanted->reader->socket, out_kind, bytes, count, NULL);
         if (got == -1 && errno == EAGAIN) continue;
         if (got < 0) {
-            wanted->lost = true;
+            wanted->lost = wanted->picture.width == 0; /* a sink that has begun cannot begin again */
             return fail(wanted, "the reader has gone"), -1;
         }
         if (*out_kind != RND_IMAGE_STATUS) return got;
@@ -213,9 +211,10 @@ static bool is_picture(const struct rnd_picture *picture, bool want_bytes)
 static bool take_error(struct wanted *wanted, enum rnd_image_packet kind, const void *text, size_t count)
 {
     char line[RND_ERROR_SIZE / 2];
-    snprintf(line, sizeof line, "%.*s", count < sizeof line ? (int)count : (int)sizeof line,
-             (const char *)text);
-    return fail(wanted, kind == RND_IMAGE_ERROR && *line ? line : "the reader has gone");
+    if (kind != RND_IMAGE_ERROR || count == 0) return fail(wanted, "the reader has gone");
+    snprintf(line, sizeof line, "not a readable image: %.*s",
+             count < sizeof line ? (int)count : (int)sizeof line, (const char *)text);
+    return fail(wanted, line);
 }
 
 /* All rows, some at a time, into the sink. */
@@ -263,8 +262,8 @@ static bool take(struct wanted *wanted)
         if (wanted->sink && !take_rows(wanted, picture)) return false;
         got = receive_packet(wanted, &kind, text, sizeof text - 1);
     }
-    if (got < 0 || kind == RND_IMAGE_END) return got >= 0;
-    return take_error(wanted, kind, text, (size_t)got);
+    if (got < 0) return false;
+    return (kind == RND_IMAGE_END && picture->width > 0) || take_error(wanted, kind, text, (size_t)got);
 }
 
 static bool get(struct wanted *wanted)
@@ -276,7 +275,7 @@ static bool get(struct wanted *wanted)
     wanted->limits = rnd_reader_limits(&options, wanted->path);
     for (int turn = 0; turn < 2 && !ok && (turn == 0 || wanted->lost); turn++) {
         wanted->lost = false;
-        wanted->last = time(NULL) + 2 * (time_t)wanted->limits.seconds * RND_READER_PATIENCE;
+        wanted->last = rnd_reader_now() + 2.0 * wanted->limits.seconds * RND_READER_PATIENCE;
         if (reader->socket < 0 && !get_copy(reader, wanted->error, wanted->error_size)) return false;
         ok = ask(wanted) && take(wanted);
         if (!ok) rnd_image_reader_finish(reader); /* nothing is known of what it does now */

@@ -1,5 +1,5 @@
-/* Pictures read by another program, fovead-image-reader, which is not believed: sizes are checked, and a file
- * that ends it is told by a line.
+/* Pictures read by another program, fovead-image-reader. What it sends is not trusted: sizes are checked. If
+ * a file ends the program, the error line says so.
  *
  * That program takes long to start, since OpenImageIO has many libraries. So it is started once, reads
  * nothing itself, and makes a copy of itself (fork) for everybody who wants pictures: the copies read. It

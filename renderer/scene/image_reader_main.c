@@ -7,6 +7,7 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -124,6 +125,9 @@ static void bury(struct copies *copies)
     for (pid_t pid; (pid = waitpid(-1, &status, WNOHANG)) > 0;)
         for (int i = 0; i < copies->count; i++) {
             if (copies->pid[i] != pid) continue;
+            /* one who does not read must not keep all others waiting */
+            const struct timeval second = {.tv_sec = 1};
+            setsockopt(copies->socket[i], SOL_SOCKET, SO_SNDTIMEO, &second, sizeof second);
             rnd_image_send(copies->socket[i], RND_IMAGE_STATUS, &status, sizeof status, -1);
             close(copies->socket[i]);
             copies->pid[i] = copies->pid[--copies->count];

@@ -68,8 +68,10 @@ struct rnd_env {
     struct rnd_env_choice by_weight; /* with factors of 1 */
 };
 
+/* env.c: read the scene's environment map. out_warning is a line about pixels that are no radiance, or "".
+ * False and a line in out_error. */
 bool rnd_env_load(struct rnd_scene *scene, const char *path, float azimuth_deg,
-                  char out_error[RND_ERROR_SIZE]);
+                  char out_warning[RND_ERROR_SIZE], char out_error[RND_ERROR_SIZE]);
 
 /* The texel of a direction, its bilinear neighbours chosen by two numbers in [0,1): the mean over them is the
  * interpolated radiance; with 1/2 and 1/2 it is the texel that the direction falls into. */

@@ -71,6 +71,17 @@ void rnd_material_set_kind(struct rnd_material *m)
 
 /* --- media --- */
 
+/* Which of the scene's indices of refraction. */
+static uint32_t index_of(const struct rnd_scene *scene, float ior)
+{
+    uint32_t next = 0;
+    for (uint32_t k = 0; k <= scene->medium_count; k++) {
+        if (scene->medium[k].ior == ior) return scene->medium[k].index;
+        if (scene->medium[k].index >= next) next = scene->medium[k].index + 1;
+    }
+    return next;
+}
+
 /* Materials often share a medium. */
 static void add_medium(struct rnd_scene *scene, struct rnd_material *m)
 {
@@ -79,8 +90,10 @@ static void add_medium(struct rnd_scene *scene, struct rnd_material *m)
            (scene->medium[k].ior != m->ior || !glms_vec3_eqv(scene->medium[k].absorption, m->absorption)))
         k++;
     if (k > UINT16_MAX) k = UINT16_MAX; /* more are taken for the last one */
-    if (k > scene->medium_count)
-        scene->medium[++scene->medium_count] = (struct rnd_medium){m->ior, m->absorption};
+    if (k > scene->medium_count) {
+        const uint32_t index = index_of(scene, m->ior);
+        scene->medium[++scene->medium_count] = (struct rnd_medium){m->ior, index, m->absorption};
+    }
     m->medium = (uint16_t)k;
 }
 
@@ -97,7 +110,7 @@ bool rnd_materials_build(struct rnd_scene *scene)
 {
     const uint32_t count = scene->material_count;
     scene->medium = calloc(count + 1, sizeof *scene->medium);
-    scene->glass = calloc((size_t)count * RND_GLASS_MEDIA + 1, sizeof *scene->glass);
+    scene->glass = calloc((size_t)count * RND_GLASS_INDICES + 1, sizeof *scene->glass);
     if (!scene->medium || !scene->glass) return false;
     scene->medium[0].ior = 1.0f;
     for (uint32_t i = 0; i < count; i++) {
@@ -107,9 +120,10 @@ bool rnd_materials_build(struct rnd_scene *scene)
     for (uint32_t i = 0; i < count; i++) {
         struct rnd_material *m = &scene->material[i];
         if (!m->medium || !(m->roughness > 0.0f)) continue;
-        for (uint32_t k = 0; k <= scene->medium_count && k < RND_GLASS_MEDIA; k++) {
-            if (k > 0 && scene->medium[k].ior == m->ior) continue;
-            if (!(m->glass[k] = glass_in(scene, m, scene->medium[k].ior))) return false;
+        for (uint32_t k = 0; k <= scene->medium_count; k++) {
+            const struct rnd_medium *other = &scene->medium[k];
+            if (other->index >= RND_GLASS_INDICES || other->ior == m->ior || m->glass[other->index]) continue;
+            if (!(m->glass[other->index] = glass_in(scene, m, other->ior))) return false;
         }
     }
     return true;

@@ -10,7 +10,6 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 static bool is_cancelled(const struct rnd_scene_options *options)
@@ -18,17 +17,17 @@ static bool is_cancelled(const struct rnd_scene_options *options)
     return options->cancel && atomic_load(options->cancel);
 }
 
-/* Wait for the end of a reader: nobody has the other end of alive then. It keeps its limits itself; this is
- * for one that does not. */
+/* Wait for a reader to end, which closes its end of alive. A reader keeps its own limits; one that does not
+ * is killed here. */
 static int wait_for(pid_t pid, int alive, const struct rnd_scene_options *options,
                     const struct rnd_reader_limits *limits)
 {
     enum { LOOK_MS = 50 };
     struct pollfd end = {.fd = alive, .events = POLLIN};
-    const time_t last = time(NULL) + 2 * (time_t)limits->seconds * RND_READER_PATIENCE;
+    const double last = rnd_reader_now() + 2.0 * limits->seconds * RND_READER_PATIENCE;
     int status = 0;
-    while (poll(&end, 1, LOOK_MS) == 0 && !is_cancelled(options) && time(NULL) <= last) continue;
-    if (!end.revents) kill(pid, SIGKILL);
+    while (poll(&end, 1, LOOK_MS) <= 0 && !is_cancelled(options) && rnd_reader_now() <= last) continue;
+    kill(pid, SIGKILL); /* the status of one that is ending stays: its descriptors close once that is set */
     while (waitpid(pid, &status, 0) < 0 && errno == EINTR) continue;
     return status;
 }
@@ -46,9 +45,9 @@ static void take_line(int memory, const char *path, char out_error[RND_ERROR_SIZ
 static bool take_over(struct rnd_scene *scene, int memory, const char *path, char out_error[RND_ERROR_SIZE])
 {
     const int seals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE | F_SEAL_SEAL;
-    const off_t size = lseek(memory, 0, SEEK_END);
+    const off_t size = fcntl(memory, F_ADD_SEALS, seals) == 0 ? lseek(memory, 0, SEEK_END) : -1;
     char why[RND_ERROR_SIZE / 2];
-    if (size <= 0 || fcntl(memory, F_ADD_SEALS, seals) != 0) {
+    if (size <= 0) {
         snprintf(out_error, RND_ERROR_SIZE, "%.200s: the reader handed nothing over that can be used", path);
         return false;
     }

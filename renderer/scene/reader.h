@@ -26,6 +26,9 @@ struct rnd_reader_limits {
  * for every 2 MiB of the file. */
 struct rnd_reader_limits rnd_reader_limits(const struct rnd_scene_options *options, const char *path);
 
+/* Seconds of CLOCK_MONOTONIC. */
+double rnd_reader_now(void);
+
 /* In the reader, first of all: end with the parent, and at this limit of memory. */
 void rnd_reader_begin(pid_t parent, uint32_t mib);
 /* In the reader, for each file: end after so much more processor time; 0: at no time. */

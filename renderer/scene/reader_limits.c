@@ -23,6 +23,13 @@ struct rnd_reader_limits rnd_reader_limits(const struct rnd_scene_options *optio
     return limits;
 }
 
+double rnd_reader_now(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
 static void limit(int what, rlim_t value)
 {
     const struct rlimit both = {value, value};

@@ -22,9 +22,8 @@ int main(int count, char **argument)
     rnd_reader_begin((pid_t)strtol(argument[1], NULL, 10), (uint32_t)strtoul(argument[2], NULL, 10));
     rnd_reader_limit_time((uint32_t)strtoul(argument[3], NULL, 10));
     const bool ok = rnd_import(&scene, argument[4], error);
-    if (strstr(error, "not enough memory") || strstr(error, "bad_alloc") ||
-        (ok && !rnd_flat_put(&scene, SCENE)))
-        _exit(RND_READER_MEMORY);
+    const bool short_of_memory = strstr(error, "not enough memory") || strstr(error, "bad_alloc");
+    if (ok ? !rnd_flat_put(&scene, SCENE) : short_of_memory) _exit(RND_READER_MEMORY);
     if (!ok && write(SCENE, error, strlen(error)) < 0) _exit(RND_READER_MEMORY);
     _exit(ok ? 0 : RND_READER_REFUSES); /* it is faster not to free anything */
 }

@@ -31,6 +31,7 @@ struct building {
     const struct rnd_scene_options *options;
     bool (*part)(struct building *b);
     bool ok;
+    char warning[RND_ERROR_SIZE]; /* of the environment map; "": none */
     char error[RND_ERROR_SIZE];
 };
 
@@ -48,7 +49,7 @@ static bool build_geometry(struct building *b)
 static bool build_env(struct building *b)
 {
     return !b->options->env_path ||
-           rnd_env_load(b->scene, b->options->env_path, b->options->env_azimuth, b->error);
+           rnd_env_load(b->scene, b->options->env_path, b->options->env_azimuth, b->warning, b->error);
 }
 
 static void *run(void *argument)
@@ -90,7 +91,8 @@ static void take_glossiness(struct rnd_scene *scene)
         m->glossiness_mapped = false;
         if (map < 0 || scene->texture[map].levels == 0) continue;
         const struct rnd_texture *t = &scene->texture[map];
-        const float mean = rnd_texture_texel(t, t->level[t->levels - 1].first).a;
+        const float alpha = rnd_texture_texel(t, t->level[t->levels - 1].first).a,
+                    mean = fmaxf(0.0f, fminf(alpha, 1.0f)); /* 1 where it is no number */
         m->roughness = 1.0f - (1.0f - m->roughness) * mean;
         rnd_scene_unsupported(scene, "glossiness maps (their mean is taken)");
     }
@@ -117,6 +119,7 @@ static bool build(struct rnd_scene *scene, const struct rnd_scene_options *optio
         rnd_textures_sum(scene);
     }
     if (env_apart) pthread_join(env_thread, NULL);
+    if (*env.warning) rnd_warn(&scene->warnings, "%s", env.warning);
     const struct building *failed = !geometry.ok ? &geometry : !env.ok ? &env : NULL;
     if (failed) memcpy(out_error, failed->error, RND_ERROR_SIZE);
     return !failed && rnd_lights_build(scene, options->path, out_error);

@@ -55,12 +55,13 @@ struct rnd_map {
 /* What light goes through: KHR_materials_volume and _ior. */
 struct rnd_medium {
     float ior;
+    uint32_t index;   /* which of the scene's indices of refraction that is; 0 is air's */
     vec3s absorption; /* 1/m */
 };
 
-/* Media that have tables of rough glass in each other; of those beyond, what facets hide in each other is
- * lost. */
-enum { RND_GLASS_MEDIA = 6 };
+/* Indices of refraction that have tables of rough glass in one another. Glass in a medium of a further index
+ * loses the light that its facets hide. */
+enum { RND_GLASS_INDICES = 6 };
 
 /* glTF 2.0 with its extensions; what other formats have is mapped to it. */
 struct rnd_material {
@@ -70,8 +71,8 @@ struct rnd_material {
     float alpha,
         alpha_cutoff; /* coverage: factor of the base texture's alpha; below cutoff nothing is there */
     float metallic, roughness;
-    bool glossiness_mapped; /* roughness has still to be 1 - (1 - it) times the mean alpha of the specular
-                               colour's map */
+    bool glossiness_mapped; /* roughness is not final: it becomes 1 - (1 - roughness) times the mean alpha of
+                               the specular colour's map */
     float ior;
     float f0;       /* reflectance of the non-metal ahead: ((ior - 1) / (ior + 1))^2 specular */
     float specular; /* KHR_materials_specular: scales the reflectance of the non-metal */
@@ -90,9 +91,9 @@ struct rnd_material {
     bool double_sided; /* emits from both sides; light is scattered by both in any case */
     bool one_sided;    /* not there for an eye that sees its back: glTF's back-face culling */
     struct rnd_map map[RND_MAPS];
-    /* The scene's tables of its medium in others, if it is rough glass; by the other's id, 0 is air. NULL
-     * where nothing is bent. */
-    const struct rnd_glass *glass[RND_GLASS_MEDIA];
+    /* If it is rough glass, the scene's tables of it in what has another index of refraction, by that index
+     * (struct rnd_medium). NULL where nothing is bent. */
+    const struct rnd_glass *glass[RND_GLASS_INDICES];
 };
 
 /* Does a mesh of that material give light? */
@@ -110,7 +111,7 @@ struct rnd_mesh {
     float *uv[2];    /* 2 a vertex, or NULL: TEXCOORD_0 and _1 */
     float *colour;   /* linear RGBA, 4 a vertex, or NULL: COLOR_0, which multiplies base and alpha */
     float *tangent;  /* 4 a vertex: unit vector along u, and on which side of it v is (glTF 2.0
-                        section 3.7.2.1),  or NULL: they follow from texture coordinates */
+                        section 3.7.2.1), or NULL: they follow from texture coordinates */
     uint32_t (*index)[3];
     uint64_t first_record; /* of its triangles among the scene's records */
     uint32_t material;
@@ -144,8 +145,8 @@ struct rnd_scene {
                    these are malloc'ed */
     size_t flat_bytes;
     struct rnd_readers *readers,
-        *own_readers; /* who reads pictures; the same, or NULL if they are not the scene's */
-    uint32_t reader_mib, reader_seconds; /* as struct rnd_scene_options has them */
+        *own_readers; /* who reads pictures; the same if the scene destroys them, else NULL */
+    uint32_t reader_mib, reader_seconds; /* MiB; as the options have it, 0: by the file */
     const atomic_bool *cancel;           /* of the options, while the scene is loaded; then NULL */
     /* Where the scene's own coordinates begin, m: all but info is in these, since floats are too coarse far
      * from their origin. */
@@ -153,7 +154,7 @@ struct rnd_scene {
     char unsupported[1024];
     struct rnd_warnings warnings, late_warnings; /* of the file; of textures that came later */
     bool one_sided;                              /* some of the materials are */
-    bool textures_measured;                      /* how large their files are is known */
+    bool textures_measured;                      /* the sizes of their files are known */
     uint32_t mesh_count, material_count, texture_count;
     struct rnd_mesh *mesh;
     struct rnd_material *material;
@@ -200,7 +201,7 @@ static inline bool rnd_is_clear(const struct rnd_scene *scene, uint32_t mesh)
            !rnd_is_pane(&scene->mesh[mesh], material);
 }
 
-/* scene.c: free its arrays. */
+/* parts.c: free its arrays. */
 void rnd_mesh_finish(struct rnd_mesh *mesh);
 
 /* load.c: geometry, materials, textures and punctual lights of a file. */
@@ -209,15 +210,15 @@ bool rnd_import(struct rnd_scene *scene, const char *path, char out_error[RND_ER
 bool rnd_scene_read(struct rnd_scene *scene, const struct rnd_scene_options *options,
                     char out_error[RND_ERROR_SIZE]);
 
-/* scene.c: add a name to the list of what is asked for and not done, once. */
+/* parts.c: add a name to the list of what is asked for and not done, once. */
 void rnd_scene_unsupported(struct rnd_scene *scene, const char *name);
 
-/* scene.c: add a line, without its end. */
+/* parts.c: add a line, without its end. */
 void rnd_warn(struct rnd_warnings *warnings, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 struct rnd_image_reader;
 
-/* scene.c: one who reads pictures for it; to be finished. */
+/* scene.c: a reader of pictures for the scene; the caller finishes it. */
 struct rnd_image_reader rnd_scene_reader(const struct rnd_scene *scene);
 
 /* import.c: index of the texture of this path (or of bytes in memory, named by path), which is read later

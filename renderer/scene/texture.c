@@ -148,18 +148,13 @@ void rnd_textures_sum(struct rnd_scene *scene)
 /* --- reading --- */
 
 /* Note why it cannot be read. */
-static bool fail(struct rnd_texture *texture, const char *what, const char *why)
+static bool fail(struct rnd_texture *texture, const char *why)
 {
     char text[RND_ERROR_SIZE];
-    snprintf(text, sizeof text, "%.200s: %s%.200s", texture->path, what, why);
+    snprintf(text, sizeof text, "%.200s: %.200s", texture->path, why);
     texture->levels = 0;
     texture->error = strdup(text);
     return false;
-}
-
-static bool fail_to_read(struct rnd_texture *texture, const char *why)
-{
-    return fail(texture, strncmp(why, "the reader", 10) == 0 ? "" : "not a readable image: ", why);
 }
 
 /* A picture that becomes a texture. */
@@ -168,11 +163,12 @@ struct filling {
     struct rnd_texture *texture;
     size_t channels;
     int width, height; /* of the file's picture */
-    uint8_t *band[2];  /* of a texture that does without its finest levels: rows that make one of its own,
-                          RGBA; and  half of them */
-    bool changed;      /* it is another file than the one that was measured */
-    int rows, have;    /* of a band: in all, so far */
-    int next;          /* row of the texture */
+    /* For a texture without its finest levels: [0] holds the rows that make one row of the texture, RGBA; [1]
+     * is room for halving them. */
+    uint8_t *band[2];
+    bool changed;   /* it is another file than the one that was measured */
+    int rows, have; /* of a band: in all, so far */
+    int next;       /* row of the texture */
 };
 
 static bool begin(struct rnd_pixels_sink *sink, const struct rnd_picture *picture)
@@ -284,7 +280,7 @@ bool rnd_texture_load(struct rnd_texture *texture, struct rnd_image_reader *read
     free(texture->floats);
     texture->bytes = NULL;
     texture->floats = NULL;
-    return filling.changed ? fail(texture, "it is another file by now", "") : fail_to_read(texture, text);
+    return fail(texture, filling.changed ? "it is another file by now" : text);
 }
 
 /* Ask how large it is. */
@@ -294,7 +290,7 @@ static void measure(struct rnd_texture *texture, struct rnd_image_reader *reader
     struct rnd_picture picture;
     if (!rnd_image_size_apart(reader, texture->path, texture->file, texture->file_bytes, texture->use, true,
                               &picture, text, sizeof text)) {
-        fail_to_read(texture, text);
+        fail(texture, text);
         return;
     }
     texture->measured.width = picture.width;

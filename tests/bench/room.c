@@ -166,7 +166,7 @@ static void paint(int image, int x, int y, float out[4])
     out[3] = image == COLOURS && s * s + t * t < 0.25f ? 0 : 1;
 }
 
-/* In a folder of this program's own, which is removed in the end. */
+/* The file need not be replaced whole: its folder is this program's own and is removed at the end. */
 static bool close_written(FILE *file, const char *directory, const char *name, char *out_error)
 {
     bool ok = file && !ferror(file);

@@ -102,7 +102,8 @@ int bench_startup(int count, char **arguments)
     struct rnd_scene_info info = {0};
     double bytes = 0, largest = 0, median[FIGURES];
     if (!parse(count, arguments, &setup)) return 2;
-    setup.scene.readers = rnd_readers_create(); /* as fovead has them: the program that reads pictures starts once */
+    setup.scene.readers =
+        rnd_readers_create(); /* as fovead has them: the program that reads pictures starts once */
     for (int t = 0; t < setup.turns; t++) {
         if (!measure(&setup, t, figure, &info, &bytes)) return 1;
         largest = fmax(largest, bytes); /* a later turn may find memory that an earlier one left */

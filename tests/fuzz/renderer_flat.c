@@ -1,10 +1,7 @@
 /* Fuzzing of the hand-over from fovead-reader: any bytes either are a scene whose parts hold together, or not
  * one.
  *
- * As it is built here it is a test of its own, that spoils what the reader hands over of a small scene from a
- * fixed seed. With libFuzzer (Embree and OpenImageIO come with the library):
- *   clang -g -O1 -fsanitize=fuzzer,address,undefined -DLIBFUZZER -D_GNU_SOURCE -Irenderer -Itests/fuzz \
- *       tests/fuzz/renderer_flat.c $BUILD/renderer/libimporter.a $BUILD/renderer/librenderer.a ...
+ * As a test of its own it spoils what the reader hands over of a small scene, from a fixed seed. See fuzz.h.
  */
 #include "fuzz.h"
 #include "scene_check.h"

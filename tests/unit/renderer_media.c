@@ -11,6 +11,9 @@
     "\"thicknessFactor\":1"
 #define CLEAR VOLUME "}"
 
+static const char bright[] = "\"KHR_materials_emissive_strength\":{\"emissiveStrength\":3},"
+                             "\"KHR_materials_specular\":{\"specularFactor\":0}";
+
 struct box {
     const char *extensions; /* of its material */
     double roughness;
@@ -120,8 +123,8 @@ static void furnaces(void **state)
                 memcpy(box, worlds[k].box, sizeof box);
                 for (int i = 0; i < worlds[k].count; i++) box[i].roughness = roughness[r];
                 struct rnd_scene *scene = boxes(box, worlds[k].count, env, worlds[k].eyes[e]);
-                /* in a smooth box light that meets no face steeply never comes out: not there where it does
-                 */
+                /* Light that meets every face of a smooth box at a flat angle is trapped for ever, so that
+                 * from inside of one only the 20 degrees ahead are looked at. */
                 const struct rnd_aim aim = files_aim(0, 0, -1);
                 const double mean =
                     files_radiance(scene, r || !e ? "od" : "fv", 0, 70000, &aim, r || !e ? 180 : 20, NULL);
@@ -148,8 +151,6 @@ static double fresnel(double cosine, double from, double to)
 static void bright_in_water(void **state)
 {
     (void)state;
-    static const char bright[] = "\"KHR_materials_emissive_strength\":{\"emissiveStrength\":3},"
-                                 "\"KHR_materials_specular\":{\"specularFactor\":0}";
     static const float eye[3] = {0, 0.5f, 0};
     const double angle = 50 * M_PI / 180;
     const struct rnd_aim aim = files_aim(sin(angle), -cos(angle), 0.02);
@@ -173,8 +174,6 @@ static void absorbing(void **state)
 {
     (void)state;
     static const char tinted[] = WATER VOLUME ",\"attenuationDistance\":2,\"attenuationColor\":[0.25,0.5,1]}",
-                      bright[] = "\"KHR_materials_emissive_strength\":{\"emissiveStrength\":3},"
-                                 "\"KHR_materials_specular\":{\"specularFactor\":0}",
                       floor[] = "\"KHR_materials_specular\":{\"specularFactor\":0}";
     static const float outside[3] = {0, 2, 0}, in_it[3] = {0, -0.5f, 0};
     const struct rnd_aim down = files_aim(0, -1, 0);
@@ -196,15 +195,15 @@ static void absorbing(void **state)
         assert_within("bright seen from in the water, green", rgb[1], 3 / index * pow(0.5, 0.75), 0.01);
         rnd_scene_destroy(scene);
     }
-    /* A floor 1 m below something bright that is far wider, both in the water. Looked at straight, from 0.1
-     * m: albedo times emission times 2 E3(s), the exponential integral (DLMF 8.19), and 3 (DLMF 6.2) of its
-     * ways. */
+    /* The floor is 1 m below a much wider emitter, both in the water, and the eye looks straight down at it
+     * from 0.1 m. Its radiance is albedo times emission times 2 E3(s), with the exponential integral E3
+     * (DLMF 8.19) and s the absorption over 1 m. */
     const struct box room[] = {{tinted, 0, {-900, -3, -900}, {900, 0, 900}},
                                {bright, 1, {-800, -1, -800}, {800, -0.5, 800}},
                                {floor, 1, {-800, -2.5, -800}, {800, -2, 800}}};
     static const float over_floor[3] = {0, -1.9f, 0};
     struct rnd_scene *scene = boxes(room, 3, NULL, over_floor);
-    double series[3] = {0};
+    double series[2] = {0};
     float rgb[3];
     for (int c = 0; c < 2; c++) {
         const double s = -log(c ? 0.5 : 0.25) / 2;

@@ -5,6 +5,8 @@
 #include "scene/image_reader.h"
 #include "scene/scene.h"
 
+#include <sys/socket.h>
+
 /* A picture of noise. */
 static const char *noise(const char *name, int width, int height)
 {
@@ -169,6 +171,75 @@ static void large_texture(void **state)
     }
 }
 
+/* --- a copy that a hostile file has taken over --- */
+
+struct counting {
+    struct rnd_pixels_sink sink; /* first */
+    int begun, rows;
+};
+
+static bool count_begin(struct rnd_pixels_sink *sink, const struct rnd_picture *picture)
+{
+    (void)picture;
+    ((struct counting *)(void *)sink)->begun++;
+    return true;
+}
+
+static bool count_rows(struct rnd_pixels_sink *sink, int first, int rows, const void *pixels)
+{
+    (void)first, (void)pixels;
+    ((struct counting *)(void *)sink)->rows += rows;
+    return true;
+}
+
+/* What a read makes of packets that are there already, or of bytes that are none. */
+static bool read_of(const enum rnd_image_packet *kind, const void *const *bytes, const size_t *count,
+                    int packets, const atomic_bool *cancel, struct counting *out,
+                    char out_error[RND_ERROR_SIZE])
+{
+    int pair[2];
+    assert_int_equal(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair), 0);
+    for (int i = 0; i < packets; i++) assert_true(rnd_image_send(pair[1], kind[i], bytes[i], count[i], -1));
+    assert_int_equal(write(pair[1], "?", 1), 1);
+    struct rnd_image_reader images = reader();
+    images.socket = pair[0];
+    images.cancel[0] = cancel;
+    *out = (struct counting){.sink = {count_begin, count_rows}};
+    const bool ok = rnd_image_read_apart(&images, noise("odd.png", 37, 23), NULL, 0, RND_PIXELS_SRGB, true,
+                                         &out->sink, out_error, RND_ERROR_SIZE);
+    rnd_image_reader_finish(&images);
+    close(pair[1]);
+    return ok;
+}
+
+static void hostile(void **state)
+{
+    (void)state;
+    static const atomic_bool no_more = true;
+    static const float pixel[4] = {0};
+    const struct rnd_picture one = {.width = 1, .height = 2, .channels = 4};
+    const enum rnd_image_packet end[] = {RND_IMAGE_END}, begin[] = {RND_IMAGE_BEGIN, RND_IMAGE_DATA};
+    const void *const nothing[] = {""}, *const half[] = {&one, pixel};
+    const size_t none[] = {0}, sizes_of[] = {sizeof one, sizeof pixel};
+    char error[RND_ERROR_SIZE] = "";
+    struct counting got;
+    /* an end before anything began is no picture */
+    assert_false(read_of(end, nothing, none, 1, NULL, &got, error));
+    assert_int_equal(got.begun, 0);
+    /* a copy that goes in the middle of a picture is not replaced: its picture has begun */
+    assert_false(read_of(begin, half, sizes_of, 2, NULL, &got, error));
+    assert_int_equal(got.begun, 1);
+    assert_int_equal(got.rows, 0);
+    /* whatever it has to say, nobody listens who does not want it any more */
+    assert_false(read_of(begin, half, sizes_of, 2, &no_more, &got, error));
+    assert_string_equal(error, "nobody wants it any more");
+    assert_int_equal(got.begun, 0);
+    /* before the picture began, another copy is asked */
+    assert_true(read_of(NULL, NULL, NULL, 0, NULL, &got, error));
+    assert_int_equal(got.begun, 1);
+    assert_int_equal(got.rows, 23);
+}
+
 /* --- the end --- */
 
 /* Nothing is read for somebody who does not want it any more. */
@@ -191,8 +262,8 @@ static void cancelled(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(without_finest), cmocka_unit_test(sizes),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(without_finest),    cmocka_unit_test(sizes),
                                        cmocka_unit_test(large_environment), cmocka_unit_test(large_texture),
-                                       cmocka_unit_test(cancelled)};
+                                       cmocka_unit_test(hostile),           cmocka_unit_test(cancelled)};
     return cmocka_run_group_tests(tests, files_setup, files_teardown);
 }
