@@ -31,11 +31,17 @@ enum {
     DMN_FARTHEST = 10000000, /* m, of the eye from the origin along each axis: beyond, floats skip metres */
 };
 
+/* What clients are told of the scene. */
+struct dmn_scene_words {
+    char line[1024];
+    char refused[RND_ERROR_SIZE]; /* why the last edit was not taken; "": it was */
+};
+
 /* --- text for people
  * ----------------------------------------------------------------------------------------------------- */
 
-/* As fprintf(), but that what is no line end and moves a terminal's cursor becomes blanks: names come from files,
- * devices and peers. */
+/* As fprintf(), but control characters other than line ends become blanks: names come from files, devices and
+ * peers, and must not drive a terminal. */
 void dmn_print(FILE *out, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void dmn_vprint(FILE *out, const char *format, va_list arguments);
 
@@ -104,7 +110,7 @@ struct dmn_options {
     const char *record;      /* NULL: not recorded */
     bool replace;            /* what record names may exist */
     float fov[2];            /* rad, of the vp viewport */
-    float display_ppd;       /* pixels a degree; 0: as fine as the eye */
+    float display_ppd;       /* pixels per degree; 0: as fine as the eye */
     bool virtual_clock;
     struct pro_address listen[DMN_MAX_LISTEN];
     int listens;

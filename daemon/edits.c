@@ -14,6 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "edits.h"
 #include "report.h"
 
 enum {
@@ -39,7 +40,8 @@ struct dmn_edits {
     int watch, env_watch; /* of the two folders; -1: gone */
     pthread_t thread;
     bool started;
-    atomic_bool cancelled; /* the scene that is being read is not wanted any more */
+    atomic_bool
+        stopped; /* set under the lock: nothing is taken up, no scene wanted and nobody woken any more */
 
     /* What has changed since the last time. */
     bool dirty;                          /* the scene, certainly */
@@ -48,7 +50,7 @@ struct dmn_edits {
 
     pthread_mutex_t lock; /* of all that follows */
     struct dmn_scene_words words;
-    bool news, stopped;
+    bool news;
 };
 
 /* --- which changes count --- */
@@ -109,13 +111,6 @@ static FILE *open_regular(const char *path)
     return file;
 }
 
-static bool is_told_to_stop(const struct dmn_edits *edits)
-{
-    struct pollfd wait = {.fd = edits->stop, .events = POLLIN};
-
-    return poll(&wait, 1, 0) > 0;
-}
-
 /* Is one of the changed files' names written in this file? */
 static bool names_one(const struct dmn_edits *edits, const char *folder, const char *name)
 {
@@ -126,7 +121,7 @@ static bool names_one(const struct dmn_edits *edits, const char *folder, const c
 
     snprintf(path, sizeof(path), "%s/%s", folder, name);
     file = text ? open_regular(path) : NULL;
-    while (file && !found && more > 0 && !is_told_to_stop(edits)) {
+    while (file && !found && more > 0 && !edits->stopped) {
         more = fread(text + used, 1, CHUNK - used, file);
         used += more;
         for (int i = 0; i < edits->count && !found; i++)
@@ -276,9 +271,9 @@ static void take_up(struct dmn_edits *edits)
         files.has_eye = true;
         memcpy(files.eye, eye, sizeof(files.eye));
     }
-    files.cancel = &edits->cancelled;
+    files.cancel = &edits->stopped;
     scene = rnd_scene_load(&files, error);
-    if (!scene && atomic_load(&edits->cancelled)) return;
+    if (!scene && edits->stopped) return;
     if (!scene) {
         dmn_print(stderr, "fovead: the edit is not taken, the picture stays: %s\n", error);
         tell(edits, NULL, error);
@@ -369,7 +364,6 @@ void dmn_edits_stop(struct dmn_edits *edits)
     pthread_mutex_lock(&edits->lock);
     edits->stopped = true;
     pthread_mutex_unlock(&edits->lock);
-    atomic_store(&edits->cancelled, true);
     eventfd_write(edits->stop, 1);
 }
 

@@ -2,20 +2,14 @@
  *
  * A change of the scene's own file counts, of its environment map, and of any file in the scene's folder or
  * the folders in that whose name is written in the scene's file (or in a .mtl beside it): buffers, textures.
- * Files that are replaced by renaming count as those that are written. The scene is read beside the one in use,
- * so meanwhile there is memory for two. */
+ * Files that are replaced by renaming count as those that are written. The scene is read beside the one in
+ * use, so meanwhile there is memory for two. */
 #ifndef FOVEAD_DAEMON_EDITS_H
 #define FOVEAD_DAEMON_EDITS_H
 
 #include <stdio.h>
 
 #include "paint.h"
-
-/* What clients are told of the scene. */
-struct dmn_scene_words {
-    char line[1024];
-    char refused[RND_ERROR_SIZE]; /* why the last edit was not taken; "": it was */
-};
 
 struct dmn_edits;
 
@@ -35,8 +29,8 @@ struct dmn_edits *dmn_edits_create(const struct rnd_scene_options *options, char
 bool dmn_edits_start(struct dmn_edits *edits, const struct dmn_edits_options *options);
 /* Any thread: the words, if they are new. */
 void dmn_edits_words(struct dmn_edits *edits, struct dmn_scene_words *words);
-/* Take up no more, and wake nobody any more; a scene that is being read is let go, which this does not wait for.
- * Accepts NULL. */
+/* Take up no more, and wake nobody any more; a scene that is being read is let go, which this does not wait
+ * for. Accepts NULL. */
 void dmn_edits_stop(struct dmn_edits *edits);
 /* Accepts NULL; stops, and waits. The painter must have stopped, and still be there. */
 void dmn_edits_destroy(struct dmn_edits *edits);

@@ -54,22 +54,23 @@ static int open_folder(const char *path)
 static bool is_part(const char *entry)
 {
     size_t length = strlen(entry), tail = strlen(MARK) + DIGITS + strlen(END);
-    const char *digits = entry + length - DIGITS - strlen(END);
+    const char *digits = length > tail ? entry + length - DIGITS - strlen(END) : entry;
 
     return length > tail && !strncmp(digits - strlen(MARK), MARK, strlen(MARK)) &&
            strspn(digits, "0123456789abcdef") == DIGITS && !strcmp(digits + DIGITS, END);
 }
 
-/* A file of this user's that no program holds a lock on. */
-static bool is_abandoned(int folder, const char *entry)
+/* A file of this user's that no program holds a lock on: locked, or -1. */
+static int open_abandoned(int folder, const char *entry)
 {
     int fd = openat(folder, entry, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
     struct stat status;
     bool abandoned = fd >= 0 && !fstat(fd, &status) && S_ISREG(status.st_mode) &&
                      status.st_uid == geteuid() && !flock(fd, LOCK_EX | LOCK_NB);
 
-    if (fd >= 0) close(fd);
-    return abandoned;
+    if (abandoned || fd < 0) return fd;
+    close(fd);
+    return -1;
 }
 
 /* In the folder of path. */
@@ -79,8 +80,13 @@ static void remove_leftovers(const char *path)
     DIR *folder = fd >= 0 ? fdopendir(fd) : NULL;
     struct dirent *entry;
 
-    while (folder && (entry = readdir(folder)))
-        if (is_part(entry->d_name) && is_abandoned(fd, entry->d_name)) unlinkat(fd, entry->d_name, 0);
+    while (folder && (entry = readdir(folder))) {
+        int part = is_part(entry->d_name) ? open_abandoned(fd, entry->d_name) : -1;
+
+        if (part < 0) continue;
+        unlinkat(fd, entry->d_name, 0);
+        close(part);
+    }
     if (folder)
         closedir(folder);
     else if (fd >= 0)
@@ -138,14 +144,22 @@ static int open_unnamed(const char *path, mode_t mode)
     return fd;
 }
 
+/* Locked, so that no other program takes it for a leftover: one that did so before has removed it. */
 static int open_named(struct dmn_file *file, mode_t mode)
 {
-    int fd = -1;
+    struct stat status;
 
-    for (int i = 0; i < TRIES && fd < 0 && (i == 0 || errno == EEXIST); i++)
-        fd =
+    for (int i = 0; i < TRIES; i++) {
+        int fd =
             name_part(file) ? open(file->part, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode) : -1;
-    return fd;
+
+        if (fd < 0 && errno != EEXIST) return -1;
+        if (fd < 0) continue;
+        (void)!flock(fd, LOCK_EX); /* not every file system has locks */
+        if (fstat(fd, &status) || status.st_nlink) return fd;
+        close(fd);
+    }
+    return -1;
 }
 
 static void finish(struct dmn_file *file)
@@ -224,18 +238,18 @@ static bool sync_folder(const char *path)
     return good;
 }
 
-/* Was all of it written? stdio remembers that a write failed, but not why: another one tells. */
-static bool is_written(struct dmn_file *file)
+/* stdio remembers that a write failed, but not why: another one tells. */
+bool dmn_file_is_written(FILE *file)
 {
-    if (fflush(file->file)) return false;
-    if (!ferror(file->file)) return true;
-    if (write(fileno(file->file), "", 1) == 1) errno = EIO;
+    if (fflush(file)) return false;
+    if (!ferror(file)) return true;
+    if (write(fileno(file), "\n", 1) == 1) errno = EIO;
     return false;
 }
 
 static bool settle(struct dmn_file *file, char out_error[DMN_FILE_ERROR_SIZE])
 {
-    return (is_written(file) && !fsync(fileno(file->file)) && move_into_place(file) &&
+    return (dmn_file_is_written(file->file) && !fsync(fileno(file->file)) && move_into_place(file) &&
             sync_folder(file->path)) ||
            cannot(file->path, out_error);
 }

@@ -32,12 +32,17 @@ bool dmn_file_begin(struct dmn_file *file, const char *path, mode_t mode, bool r
                     char out_error[DMN_FILE_ERROR_SIZE]);
 
 /* Give it its name, once it is on the disk. False with a line in out_error if it is not whole: it is then
- * gone, and what was there before is still there. */
+ * gone, and what was there before is still there. Also false if only the folder could not be synced: the new
+ * file is then in its place, but may not outlast a crash of the machine. A symbolic link is replaced, not
+ * followed. */
 bool dmn_file_end(struct dmn_file *file, char out_error[DMN_FILE_ERROR_SIZE]);
 
 /* The same, but leave it open for what is still to come, at its end: the descriptor, locked (flock(2)) so
  * that the file is not replaced meanwhile; the caller closes. -1 on failure. */
 int dmn_file_keep(struct dmn_file *file, char out_error[DMN_FILE_ERROR_SIZE]);
+
+/* Was all that was printed to a file written? Else errno says why not. */
+bool dmn_file_is_written(FILE *file);
 
 /* Leave it; nothing of it remains. */
 void dmn_file_drop(struct dmn_file *file);

@@ -13,6 +13,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "edits.h"
 #include "file.h"
 #include "image.h"
 #include "loop.h"
@@ -52,13 +53,13 @@ static void on_signal(int number)
 
 struct daemon {
     struct dmn_options options;
-    struct rnd_readers *readers;
     struct rnd_scene *scene;
     struct dmn_common common;
     struct dmn_listener listener[DMN_MAX_LISTEN];
     int listeners;
     struct dmn_loop *loop;
     struct dmn_bar bar;
+    struct dmn_told told;
     FILE *out; /* for people: stdout, unless a JSON object goes there */
 };
 
@@ -94,8 +95,8 @@ static bool load(struct daemon *daemon)
     /* Better now than after a night of rendering. */
     if (options->save && !dmn_file_check(options->save, true, error)) return fail(error);
     common->options = options;
-    options->scene.readers = daemon->readers = rnd_readers_create();
-    if (!daemon->readers) return fail("out of memory");
+    options->scene.readers = rnd_readers_create();
+    if (!options->scene.readers) return fail("out of memory");
     scene = options->scene;
     common->gaze = dmn_gaze_open(options, error);
     if (!common->gaze) return fail(error);
@@ -142,7 +143,7 @@ static void print_start(const struct daemon *daemon)
     dmn_print(daemon->out, "gaze     %s\n", gaze.source.description);
     if (*gaze.recording) dmn_print(daemon->out, "records  %s\n", gaze.recording);
     dmn_print(daemon->out, "film     %dx%d, mode %s, %d threads\n", options->render.width,
-            options->render.height, options->render.distribution->name, options->render.threads);
+              options->render.height, options->render.distribution->name, options->render.threads);
     for (int i = 0; i < daemon->listeners; i++) {
         pro_address_print(&daemon->listener[i].address, address, sizeof(address));
         dmn_print(daemon->out, "listens  %s\n", address);
@@ -170,9 +171,11 @@ static void notify(const char *state)
 static void on_tick(void *argument)
 {
     struct daemon *daemon = argument;
+    struct dmn_gaze_state gaze;
     struct dmn_work work;
 
-    dmn_gaze_tell_recording(daemon->common.gaze);
+    dmn_gaze_state(daemon->common.gaze, &gaze);
+    dmn_report_recording(&daemon->told, &gaze);
     dmn_painter_work(daemon->common.painter, &work);
     dmn_report_progress(&daemon->bar, &daemon->options, &work);
 }
@@ -299,6 +302,6 @@ int main(int argc, char **argv)
     dmn_pyramid_finish(&daemon.common.pyramid);
     rnd_render_destroy(daemon.common.render);
     rnd_scene_destroy(daemon.scene);
-    rnd_readers_destroy(daemon.readers);
+    rnd_readers_destroy(daemon.options.scene.readers);
     return good ? 0 : 1;
 }

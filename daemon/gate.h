@@ -1,12 +1,12 @@
 /* gate: when a client's token is looked at, so that nobody can try many.
  *
- * A wrong token closes the gate for a second to all that come from the same address; who comes meanwhile
- * waits for a turn, one a second. Whether a token is right is not said before its turn either: whoever
- * guesses would just not wait for the answers. Not to one gate for all: a stranger who guesses would keep
- * those out who know the token. Not to every address by itself: they cost nothing (a network of IPv6, all of
- * 127.0.0.0/8), so a network counts as one, and there is a fixed number of places, of which a new address
- * takes over the one that is free soonest, with what it has to wait (as in Metwally et al. 2005,
- * Space-Saving). All guesses together are thus DMN_GATE_PLACES a second at most.
+ * A wrong token closes the gate for a second to the address that it came from. Clients that come from there
+ * meanwhile wait for turns, one a second. Right tokens wait too: if they were let in at once, a guesser need
+ * not wait for the other answers. Every address has a gate of its own, for behind one gate a stranger who
+ * guesses would keep out those who know the token. But addresses cost nothing (a network of IPv6, all of
+ * 127.0.0.0/8). So a network counts as one address, and the number of places is fixed: a new address takes
+ * over the place that is free soonest, with the wait of that place (as in Space-Saving, Metwally et al.
+ * 2005). So at most DMN_GATE_PLACES guesses are looked at per second.
  *
  * Time is the caller's, so that all of this is tested without waiting. One thread. */
 #ifndef FOVEAD_DAEMON_GATE_H
@@ -34,7 +34,8 @@ uint64_t dmn_gate_turn(struct dmn_gate *gate, uint64_t key, uint64_t now_ns);
 /* One that was looked at without a wait was wrong. */
 void dmn_gate_wrong(struct dmn_gate *gate, uint64_t key, uint64_t now_ns);
 
-/* One that had waited for its turn was right: it takes none of those behind it any time. */
+/* A token that had waited for its turn was right: the second that it took is given back to those who come
+ * later. */
 void dmn_gate_right(struct dmn_gate *gate, uint64_t key);
 
 /* Are they the same? In a time that does not tell how much of it was right. */

@@ -48,8 +48,6 @@ struct dmn_gaze {
     float rotation[4];
     struct trk_recorder *recorder;
     char recording[DMN_TEXT_SIZE];
-    bool told_failing;    /* of the recording, by dmn_gaze_tell_recording() */
-    uint64_t told_lost;
     uint64_t count;                    /* samples and decisions for clients so far: */
     struct dmn_gaze_sample kept[KEPT]; /* number n is at n % KEPT */
 };
@@ -332,6 +330,7 @@ void dmn_gaze_state(struct dmn_gaze *gaze, struct dmn_gaze_state *out_state)
         .source = gaze->status,
         .recorded = recorder.written,
         .lost = recorder.lost,
+        .recording_fails = recorder.failing,
     };
     memcpy(out_state->recording_error, recorder.error, sizeof(out_state->recording_error));
     memcpy(out_state->direction, gaze->aim.gaze, sizeof(out_state->direction));
@@ -458,8 +457,6 @@ static bool start_recording(struct dmn_gaze *gaze, const char *path, bool replac
     pthread_mutex_lock(&gaze->lock);
     gaze->recorder = recorder;
     snprintf(gaze->recording, sizeof(gaze->recording), "%s", path);
-    gaze->told_failing = false;
-    gaze->told_lost = 0;
     pthread_mutex_unlock(&gaze->lock);
     snprintf(out_text, DMN_TEXT_SIZE, "recording to %.900s", path);
     return true;
@@ -495,22 +492,4 @@ bool dmn_gaze_record(struct dmn_gaze *gaze, const char *path_or_null, bool repla
         snprintf(out_text + length, DMN_TEXT_SIZE - length, ", %llu lost: %s", (unsigned long long)state.lost,
                  state.error);
     return good;
-}
-
-void dmn_gaze_tell_recording(struct dmn_gaze *gaze)
-{
-    struct trk_recorder_state now = {0};
-    bool tell = false;
-
-    pthread_mutex_lock(&gaze->lock);
-    if (gaze->recorder) {
-        trk_recorder_look(gaze->recorder, &now);
-        tell = now.failing != gaze->told_failing || (now.lost && !gaze->told_lost);
-        gaze->told_failing = now.failing;
-        gaze->told_lost = now.lost;
-    }
-    pthread_mutex_unlock(&gaze->lock);
-    if (tell)
-        dmn_print(stderr, "fovead: %s; %llu samples are lost, %s\n", now.error, (unsigned long long)now.lost,
-                  now.failing ? "the newest wait until there is room" : "the recording goes on");
 }

@@ -27,10 +27,11 @@ struct dmn_gaze_state {
     float direction[3]; /* that is rendered for; forward before the first valid sample */
     bool frozen, ended;
     struct trk_status source;
-    char recording[DMN_TEXT_SIZE]; /* the file; "": none */
-    uint64_t recorded;             /* samples in it */
-    uint64_t lost;                 /* samples that it should hold */
-    char recording_error[TRK_ERROR_SIZE]; /* why it took none, the last time; "": it always has */
+    char recording[DMN_TEXT_SIZE];        /* the file; "": none */
+    uint64_t recorded;                    /* samples in it */
+    uint64_t lost;                        /* samples that are missing from it */
+    bool recording_fails;                 /* the newest samples wait to be written */
+    char recording_error[TRK_ERROR_SIZE]; /* why the last failed write failed; "": none has */
 };
 
 /* options->gaze may be NULL: the aim is then forward for ever. NULL and a line in out_error on failure. */
@@ -43,8 +44,8 @@ void dmn_gaze_stop(struct dmn_gaze *gaze);
 /* The virtual clock: take every sample up to now_ns. */
 void dmn_gaze_advance(struct dmn_gaze *gaze, uint64_t now_ns);
 
-/* The painter's aim: its sequence and time are those of the newest sample that it answers, and it goes stale when the gaze
- * leaves it. Valid as long as the gaze. */
+/* The painter's aim: its sequence and time are those of the newest sample that it answers, and it goes stale
+ * when the gaze leaves it. Valid as long as the gaze. */
 void dmn_gaze_aim(struct dmn_gaze *gaze, struct rnd_aim *out_aim);
 void dmn_gaze_state(struct dmn_gaze *gaze, struct dmn_gaze_state *out_state);
 
@@ -68,8 +69,5 @@ bool dmn_gaze_recentre(struct dmn_gaze *gaze, const float *target_or_null, char 
  * why not. */
 bool dmn_gaze_record(struct dmn_gaze *gaze, const char *path_or_null, bool replace,
                      char out_text[DMN_TEXT_SIZE]);
-
-/* Say on stderr when a recording fails, and when it goes on; to be called now and then. */
-void dmn_gaze_tell_recording(struct dmn_gaze *gaze);
 
 #endif

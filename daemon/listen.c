@@ -38,7 +38,8 @@ static void name_lock(const struct pro_address *address, char *out_name, size_t 
     snprintf(out_name, size, "%s.lock", address->path);
 }
 
-/* Between a look at an old socket and the new one in its place no other daemon may do the same. */
+/* Lock the file beside the socket from before the old socket is looked at until the listener ends: of daemons
+ * that start at once, one might otherwise remove another's new socket. */
 static bool lock(struct dmn_listener *listener, char out_error[PRO_ERROR_SIZE])
 {
     const struct pro_address *address = &listener->address;

@@ -8,6 +8,7 @@
 
 #include <libwebsockets.h>
 
+#include "edits.h"
 #include "loop.h"
 
 enum {
@@ -228,7 +229,7 @@ static bool is_full(const struct dmn_loop *loop, const struct dmn_listener *list
     return listener->token && strangers >= MOST_STRANGERS;
 }
 
-/* Told why, as far as the socket takes it at once. */
+/* Tell the client why, if its socket takes that at once, and close it. */
 static void turn_away(int fd, const char *name, const char *why)
 {
     char unread[4096];
@@ -287,7 +288,9 @@ static int on_listener(struct lws *wsi, enum lws_callback_reasons reason, void *
     loop = loop_of(wsi);
     listener = lws_get_opaque_user_data(wsi);
     while ((fd = dmn_listener_accept(listener, &from)) >= 0)
-        if (is_full(loop, listener, why, sizeof(why)))
+        if (loop->stop)
+            turn_away(fd, from.name, "the daemon is ending");
+        else if (is_full(loop, listener, why, sizeof(why)))
             turn_away(fd, from.name, why);
         else
             welcome_in(loop, listener, fd, &from);

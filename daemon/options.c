@@ -29,15 +29,20 @@ static const char HELP[] =
     "scene\n"
     "                          names in its folder or the folders in that; if it cannot be read, the picture "
     "stays\n"
-    "  --reader-memory MIB     that the program which reads a file for fovead may take, 64 or more; 4096, or half of what\n"
-    "                          the machine has if that is less\n"
-    "  --reader-time S         seconds of processor time for a file, and ten times as many on the clock; 20, and one more\n"
-    "                          for every 2 MiB of the file. A file that takes more, or crashes its reader, is refused\n"
+    "  --reader-memory MIB     that a program which reads a file for fovead may use, at least 64; default: "
+    "4096, or half\n"
+    "                          of the machine's memory if that is less\n"
+    "  --reader-time S         seconds of processor time for a file, and ten times as many on the clock; 20, "
+    "and one more\n"
+    "                          for every 2 MiB of the file. A file that takes more, or crashes its reader, "
+    "is refused\n"
     "  --size WxH | W          film in pixels; W a multiple of 128, up to 32768, H half of it; 4096x2048\n"
     "  --bounces N             longest path; 0, the default: Russian roulette alone ends a path\n"
-    "  --clamp L               clamp light that comes by way of a second surface to this luminance: fewer bright specks, and\n"
+    "  --clamp L               clamp light that comes by way of a second surface to this luminance: fewer "
+    "bright specks, and\n"
     "                          a darker picture; default: nothing is clamped\n"
-    "  --clear-glass           let light straight through thick glass, rough up to 0.25: windows and bulbs light a room at\n"
+    "  --clear-glass           let light straight through thick glass, rough up to 0.25: windows and bulbs "
+    "light a room at\n"
     "                          once, without caustics; default: light behind such glass is found by chance\n"
     "  --seed N                of all random numbers; 0\n"
     "  --threads N             that trace paths; one a processor\n"
@@ -68,7 +73,7 @@ static const char HELP[] =
     "  --mode MODE             where samples fall:\n";
 
 static const char HELP_REST[] =
-    "  --display-ppd N         pixels a degree of the display: samples are no denser than it can show; "
+    "  --display-ppd N         pixels per degree of the display: samples are no denser than it can show; "
     "default: as dense as\n"
     "                          the eye can use\n"
     "  --fov X,Y               field of view of vp, degrees; 100,100\n"
@@ -88,9 +93,11 @@ static const char HELP_REST[] =
     "converged:\n"
     "                          every tile is (needs --mode od); end: the gaze recording has ended. Without "
     "it\n"
-    "                          fovead runs until SIGINT, SIGTERM or SIGHUP. A picture that begins anew, for a\n"
+    "                          fovead runs until SIGINT, SIGTERM or SIGHUP. A picture that begins anew, for "
+    "a\n"
     "                          move or an edit, is counted anew\n"
-    "  --save FILE.exr         at the end write colour, sample count and error channels, also when a signal ends\n"
+    "  --save FILE.exr         at the end write colour, sample count and error channels, also when a signal "
+    "ends\n"
     "                          fovead; but not if another one comes a second or more after the first\n"
     "  --json                  the summary as one JSON object, alone on stdout; all else goes to stderr\n"
     "  --clock real|virtual    virtual: recorded time passes by 5 ms a batch of 4096 paths, however long "
@@ -216,23 +223,40 @@ static bool take_whole(const char *name, const char *text, uint64_t low, uint64_
 }
 
 static const struct option LONG[] = {
-    {"scene", required_argument, NULL, 's'},  {"env", required_argument, NULL, 'e'},
-    {"sun", required_argument, NULL, 'u'},    {"eye", required_argument, NULL, 'y'},
-    {"size", required_argument, NULL, 'z'},   {"bounces", required_argument, NULL, 'b'},
-    {"seed", required_argument, NULL, 'd'},   {"env-turn", required_argument, NULL, 'T'},
-    {"clamp", required_argument, NULL, 'K'},  {"display-ppd", required_argument, NULL, 'D'},   {"threads", required_argument, NULL, 't'},
+    {"scene", required_argument, NULL, 's'},
+    {"env", required_argument, NULL, 'e'},
+    {"sun", required_argument, NULL, 'u'},
+    {"eye", required_argument, NULL, 'y'},
+    {"size", required_argument, NULL, 'z'},
+    {"bounces", required_argument, NULL, 'b'},
+    {"seed", required_argument, NULL, 'd'},
+    {"env-turn", required_argument, NULL, 'T'},
+    {"clamp", required_argument, NULL, 'K'},
+    {"display-ppd", required_argument, NULL, 'D'},
+    {"threads", required_argument, NULL, 't'},
     {"clear-glass", no_argument, NULL, 'G'},
-    {"gaze", required_argument, NULL, 'g'},   {"list-trackers", no_argument, NULL, 'L'},
-    {"screen", required_argument, NULL, 'S'}, {"calibration", required_argument, NULL, 'C'},
-    {"raw-gaze", no_argument, NULL, 'W'},     {"predict", no_argument, NULL, 'P'},
-    {"record", required_argument, NULL, 'R'}, {"replace", no_argument, NULL, 'r'},
-    {"speed", required_argument, NULL, 'p'},  {"loop", no_argument, NULL, 'o'},
-    {"mode", required_argument, NULL, 'm'},   {"fov", required_argument, NULL, 'f'},
-    {"listen", required_argument, NULL, 'l'}, {"until", required_argument, NULL, 'n'},
-    {"save", required_argument, NULL, 'a'},   {"json", no_argument, NULL, 'j'},
-    {"clock", required_argument, NULL, 'c'},  {"help", no_argument, NULL, 'h'},
-    {"reader-memory", required_argument, NULL, 'M'}, {"reader-time", required_argument, NULL, 'E'},
-    {"version", no_argument, NULL, 'v'},      {"watch", no_argument, NULL, 'w'},
+    {"gaze", required_argument, NULL, 'g'},
+    {"list-trackers", no_argument, NULL, 'L'},
+    {"screen", required_argument, NULL, 'S'},
+    {"calibration", required_argument, NULL, 'C'},
+    {"raw-gaze", no_argument, NULL, 'W'},
+    {"predict", no_argument, NULL, 'P'},
+    {"record", required_argument, NULL, 'R'},
+    {"replace", no_argument, NULL, 'r'},
+    {"speed", required_argument, NULL, 'p'},
+    {"loop", no_argument, NULL, 'o'},
+    {"mode", required_argument, NULL, 'm'},
+    {"fov", required_argument, NULL, 'f'},
+    {"listen", required_argument, NULL, 'l'},
+    {"until", required_argument, NULL, 'n'},
+    {"save", required_argument, NULL, 'a'},
+    {"json", no_argument, NULL, 'j'},
+    {"clock", required_argument, NULL, 'c'},
+    {"help", no_argument, NULL, 'h'},
+    {"reader-memory", required_argument, NULL, 'M'},
+    {"reader-time", required_argument, NULL, 'E'},
+    {"version", no_argument, NULL, 'v'},
+    {"watch", no_argument, NULL, 'w'},
     {0},
 };
 
@@ -272,17 +296,19 @@ static bool take(struct parser *p, int option, const char *text)
         return out->scene.clear_glass = true;
     case 'D':
         if (!dmn_parse_numbers(text, 1, &number) || number < 1 || number > 1000)
-            return refuse("--display-ppd wants pixels a degree, 1 to 1000, not '%s'", text);
+            return refuse("--display-ppd wants pixels per degree, 1 to 1000, not '%s'", text);
         out->display_ppd = (float)number;
         break;
     case 'b':
         good = take_whole("bounces", text, 0, 1024, &whole), out->render.max_bounces = (int)whole;
         break;
     case 'M':
-        good = take_whole("reader-memory", text, 64, 1 << 24, &whole), out->scene.reader_mib = (uint32_t)whole;
+        good = take_whole("reader-memory", text, 64, 1 << 24, &whole),
+        out->scene.reader_mib = (uint32_t)whole;
         break;
     case 'E':
-        good = take_whole("reader-time", text, 1, 1 << 20, &whole), out->scene.reader_seconds = (uint32_t)whole;
+        good = take_whole("reader-time", text, 1, 1 << 20, &whole),
+        out->scene.reader_seconds = (uint32_t)whole;
         break;
     case 'd':
         return take_whole("seed", text, 0, UINT64_MAX, &out->render.seed);
@@ -386,7 +412,8 @@ static bool settle(struct parser *p)
     if (!settle_gaze(p)) return false;
     if (out->watch && out->virtual_clock) return refuse("--watch needs the real clock");
     if (p->has_env_turn && !out->scene.env_path) return refuse("--env-turn needs --env");
-    if (out->display_ppd > 0 && strncmp(p->mode, "fv", 2)) return refuse("--display-ppd needs --mode fv or fv-exact");
+    if (out->display_ppd > 0 && strncmp(p->mode, "fv", 2))
+        return refuse("--display-ppd needs --mode fv or fv-exact");
     if (p->has_fov && strcmp(p->mode, "vp")) return refuse("--fov needs --mode vp");
     if (!out->listens && out->until.kind == DMN_UNTIL_STOPPED) return take_listen(p, NULL);
     return true;

@@ -9,15 +9,12 @@ void dmn_vprint(FILE *out, const char *format, va_list arguments)
     char *text;
 
     if (vasprintf(&text, format, arguments) < 0) return;
-    for (char *line = text, *end; *line; line = end) { /* but for line ends */
+    for (char *line = text, *end, last; *line; line = end) { /* but for line ends */
         end = strchrnul(line, '\n');
-        if (*end) {
-            *end = '\0';
-            rnd_make_printable(line);
-            *end++ = '\n';
-        } else {
-            rnd_make_printable(line);
-        }
+        last = *end;
+        *end = '\0';
+        rnd_make_printable(line);
+        if ((*end = last)) end++;
     }
     fputs(text, out);
     free(text);

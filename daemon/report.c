@@ -146,3 +146,14 @@ void dmn_report_summary(const struct dmn_common *common, const struct dmn_work *
     (common->options->json ? print_json : print_table)(common, work, &gaze, saved);
     fflush(stdout);
 }
+
+void dmn_report_recording(struct dmn_told *told, const struct dmn_gaze_state *gaze)
+{
+    struct dmn_told now = {gaze->recording_fails, gaze->lost > 0};
+
+    if (*gaze->recording && (now.fails != told->fails || (now.lost && !told->lost)))
+        dmn_print(stderr, "fovead: %s; %llu samples are lost, %s\n", gaze->recording_error,
+                  (unsigned long long)gaze->lost,
+                  now.fails ? "the newest wait until there is room" : "the recording goes on");
+    *told = *gaze->recording ? now : (struct dmn_told){0};
+}

@@ -16,6 +16,13 @@ void dmn_report_warnings(const char *lines);
  * there is such a thing. */
 void dmn_report_left_out(const struct rnd_scene_info *info, const char *path);
 
+/* What has been said of a recording. All zero is the start. */
+struct dmn_told {
+    bool fails, lost;
+};
+/* Say on stderr when a recording begins to fail, first loses samples, or goes on. */
+void dmn_report_recording(struct dmn_told *told, const struct dmn_gaze_state *gaze);
+
 /* Progress towards --until on stderr: a bar redrawn in place on a terminal, else a line every few seconds.
  * All zero is the start. */
 struct dmn_bar {

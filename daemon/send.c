@@ -77,9 +77,8 @@ static uint8_t *bye(struct dmn_session *session, size_t *out_count)
 {
     Fovea__Bye content = FOVEA__BYE__INIT;
 
-    /* A client that was not welcomed yet is not told: its connection just ends. */
     session->bye_due = false;
-    return session->welcome_due ? NULL : pack(session, FOVEA__MESSAGE__BODY_BYE, &content, out_count);
+    return pack(session, FOVEA__MESSAGE__BODY_BYE, &content, out_count);
 }
 
 static uint8_t *gaze(struct dmn_session *session, size_t *out_count)
@@ -247,7 +246,8 @@ uint8_t *dmn_session_frame(struct dmn_session *session, size_t *out_count)
 void dmn_session_end(struct dmn_session *session)
 {
     session->ending = true;
-    session->bye_due = session->greeted;
+    /* A client that was not welcomed yet is not told: its connection just ends. */
+    session->bye_due = session->greeted && !session->welcome_due;
 }
 
 uint8_t *dmn_farewell(const char *why, size_t headroom, size_t *out_count)

@@ -7,11 +7,12 @@
 #ifndef FOVEAD_DAEMON_SESSION_H
 #define FOVEAD_DAEMON_SESSION_H
 
-#include "edits.h"
 #include "gate.h"
 #include "gaze.h"
 #include "paint.h"
 #include "saver.h"
+
+struct dmn_edits;
 
 /* What all sessions share. */
 struct dmn_common {

@@ -1,5 +1,6 @@
 /* Standard input and output, from first to last. */
 #include "streams.h"
+#include "file.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -12,16 +13,9 @@
 
 static const char *name;
 
-/* stdio remembers that a write failed, but not why: another one tells. */
 static void close_output(void)
 {
-    bool written = !fflush(stdout);
-
-    if (written && ferror(stdout)) {
-        written = false;
-        if (write(STDOUT_FILENO, "\n", 1) == 1) errno = EIO;
-    }
-    if (written && !fclose(stdout)) return;
+    if (dmn_file_is_written(stdout) && !fclose(stdout)) return;
     /* Who closed a pipe knows. */
     if (errno != EPIPE) fprintf(stderr, "%s: the output cannot be written: %s\n", name, strerror(errno));
     _exit(1);

@@ -116,8 +116,8 @@ bool trk_log_read(const char *path, struct trk_log *out_log, char out_error[TRK_
 bool trk_log_read_with(const char *path, const struct trk_log_options *options, struct trk_log *out_log,
                        char out_error[TRK_ERROR_SIZE]);
 
-/* Write a log in the project's own format (log/own.h), from the beginning of a file. What could not be written
- * is told by ferror(file) alone. */
+/* Write a log in the project's own format (log/own.h), from the beginning of a file. What could not be
+ * written is told by ferror(file) alone. */
 void trk_log_print(const struct trk_log *log, FILE *file);
 
 /* The same as BIDS eye tracking (log/bids_write.c): a table, in gzip, and the sidecar that belongs to it.
@@ -386,7 +386,7 @@ struct trk_recorder_state {
     uint64_t lost;    /* samples that the disk did not take, or that came while the queue was full */
     uint64_t refused; /* samples that no log can hold: time or sequence going back, directions of no length */
     bool failing;     /* the disk takes nothing now; the recorder goes on trying */
-    char error[TRK_ERROR_SIZE]; /* why it did not, the last time; "": it always has */
+    char error[TRK_ERROR_SIZE]; /* why the last failed write failed; "": none has failed */
 };
 
 /* What a file must hold before it is recorded to. */

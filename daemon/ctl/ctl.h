@@ -39,7 +39,7 @@ enum { CTL_PATIENCE_S = 30, CTL_START_S = 600 /* to come up, with --wait */ };
 
 struct ctl {
     const char *command;
-    unsigned given; /* CTL_* bits */
+    unsigned given;   /* CTL_* bits */
     bool has_address; /* else the default */
     struct pro_address address;
     bool wait, json, until_finished, stop;
@@ -50,7 +50,7 @@ struct ctl {
     bool exposure_auto;
     double exposure; /* stops */
     const char *gaze;
-    double ppd; /* pixels a degree */
+    double ppd; /* pixels per degree */
     bool ldr;
     const char *map;
     struct trk_log_options log;

@@ -67,7 +67,7 @@ static const char HELP[] =
     "the\n"
     "                          eye is\n"
     "  --gaze LOG              samples: draw the path of this recorded gaze\n"
-    "  --ppd N                 compare: pixels a degree where the pictures are seen, 1 to 300; 67.02, a "
+    "  --ppd N                 compare: pixels per degree where the pictures are seen, 1 to 300; 67.02, a "
     "screen at\n"
     "                          arm's length. Headsets have 12 to 25\n"
     "  --ldr                   compare: what a display shows (LDR-FLIP), although both files hold light "
@@ -264,7 +264,7 @@ static bool take(struct ctl *ctl, int option, const char *text)
     case 'P':
         if (dmn_parse_numbers(text, 1, &ctl->ppd) && ctl->ppd >= 1 && ctl->ppd <= RND_FLIP_MAX_PPD)
             return true;
-        return ctl_fail("--ppd wants pixels a degree, 1 to %d, not '%s'", RND_FLIP_MAX_PPD, text);
+        return ctl_fail("--ppd wants pixels per degree, 1 to %d, not '%s'", RND_FLIP_MAX_PPD, text);
     case 'L':
         return ctl->ldr = true;
     case 'M':

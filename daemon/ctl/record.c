@@ -58,6 +58,7 @@ int ctl_record(const struct ctl *ctl)
     struct sigaction action = {.sa_handler = on_interrupt};
     const char *file = ctl->operand[0];
     char path[CTL_PATH_SIZE] = "";
+    struct sigaction before;
     struct pro_client *client;
     bool good;
 
@@ -71,7 +72,9 @@ int ctl_record(const struct ctl *ctl)
     if (ctl->given & CTL_FOR) {
         sigaction(SIGINT, &action, NULL);
         sigaction(SIGTERM, &action, NULL);
-        sigaction(SIGHUP, &action, NULL);
+        /* nohup(1): it is to go on when the terminal is closed. */
+        if (!sigaction(SIGHUP, NULL, &before) && before.sa_handler != SIG_IGN)
+            sigaction(SIGHUP, &action, NULL);
     }
     good = request(client, !ctl->stop, path, ctl->given & CTL_REPLACE);
     if (good && ctl->given & CTL_FOR)

@@ -130,8 +130,8 @@ static bool draw(const struct ctl *ctl, float *counts, int width, int height, co
     good = dmn_image_write(ctl->operand[1], 0600, map.width, map.height, map.rgb, true, error) ||
            ctl_fail("%s", error);
     if (good)
-        dmn_print(stdout, "%s: %dx%d, from no path a pixel (black) to %.4g (bright), log scale\n", ctl->operand[1],
-               map.width, map.height, most);
+        dmn_print(stdout, "%s: %dx%d, from no path per pixel (black) to %.4g (bright), log scale\n",
+                  ctl->operand[1], map.width, map.height, most);
 end:
     free(map.rgb);
     free(map.cover);

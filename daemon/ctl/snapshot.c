@@ -41,9 +41,9 @@ static bool is_image(const char *path)
     return ctl_fail("snapshot wants a name that ends in .exr, .png or .jpg, not '%s'", path);
 }
 
-/* Receive until there is something everywhere, and a while longer for what is finer. Where the picture begins
- * anew all the while, because the eye moves, that while counts from the first one that was whole, and the
- * next one that is after it will do. */
+/* Receive until the picture is whole, then --settle seconds longer for finer tiles. If it begins anew again
+ * and again because the eye moves, those seconds count from the first whole picture, and the next whole one
+ * after them is taken. */
 static bool gather(struct snapshot *snapshot)
 {
     const struct ctl *ctl = snapshot->ctl;
@@ -83,8 +83,8 @@ static bool gather(struct snapshot *snapshot)
         }
         if (whole && (double)(now_ns - first_ns) * 1e-9 >= ctl->settle) return true;
         if (!whole && (double)(now_ns - began_ns) * 1e-9 >= ctl->within + (first_ns ? ctl->settle : 0))
-            return ctl_fail("after %g s only %.0f %% of the picture is there", ctl->within,
-                            snapshot->coverage * 100);
+            return ctl_fail("after %.0f s only %.0f %% of the picture is there",
+                            (double)(now_ns - began_ns) * 1e-9, snapshot->coverage * 100);
     }
 }
 

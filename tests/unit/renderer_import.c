@@ -95,8 +95,8 @@ static void parts_absent(void **state)
 
     files_text("text.png", "this is not a picture");
     const char *good = files_gltf("good.gltf", 1, node, shining, "");
-    assert_refused_with(good, files_path("gone.hdr"), "gone.hdr", "environment");
-    assert_refused_with(good, files_path("text.png"), "text.png", "environment");
+    assert_refused_with(good, files_path("gone.hdr"), "gone.hdr", "not a readable image");
+    assert_refused_with(good, files_path("text.png"), "text.png", "not a readable image");
     float rgb[64 * 32 * 3] = {0};
     assert_true(files_image(files_path("black.exr"), 64, 32, rgb, true, error));
     assert_refused_with(good, files_path("black.exr"), "black.exr", "black");
@@ -127,7 +127,8 @@ static void images_absent(void **state)
         char more[400], error[RND_ERROR_SIZE];
         snprintf(more, sizeof more, ",\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"%s\"}]",
                  uris[i / 2]);
-        const struct rnd_scene_options options = {.readers = files_readers(), .path = files_gltf("inside.gltf", 10, node, picture, more),
+        const struct rnd_scene_options options = {.readers = files_readers(),
+                                                  .path = files_gltf("inside.gltf", 10, node, picture, more),
                                                   .env_path = files_env("env.exr", 1),
                                                   .textures_later = i % 2,
                                                   .has_eye = true,
@@ -442,7 +443,8 @@ static int try_file(const char *path, const struct stat *status, int kind, struc
     (void)status, (void)where;
     const char *dot = strrchr(path, '.');
     if (kind != FTW_F || !dot || (strcmp(dot, ".gltf") != 0 && strcmp(dot, ".glb") != 0)) return 0;
-    const struct rnd_scene_options options = {.readers = files_readers(), .path = path, .env_path = files_path("env.exr")};
+    const struct rnd_scene_options options = {
+        .readers = files_readers(), .path = path, .env_path = files_path("env.exr")};
     char error[RND_ERROR_SIZE] = "";
     struct rnd_scene *scene = rnd_scene_load(&options, error);
     if (!scene) {
