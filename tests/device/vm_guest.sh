@@ -43,9 +43,11 @@ make_room
 "$programs/vm_hid" 750 250 & hid=$!
 "$programs/vm_usb" 750 250 & usb=$!
 "$programs/fovead" --scene room.obj --size 128 --gaze auto --json >fovead.out 2>fovead.err & fovead=$!
+# Nobody opens the trackers of a fovead that has ended.
+(tail --pid="$fovead" -f /dev/null; kill "$hid" "$usb" 2>/dev/null) & watcher=$!
 wait "$hid" || fail "fovead never opened the HID tracker"
 wait "$usb" || fail "fovead never asked the PlayStation VR2 for gaze"
-kill "$fovead"
+kill "$watcher" "$fovead"
 wait "$fovead" || {
     fail "fovead ended with $?"
     cat fovead.err
