@@ -173,6 +173,13 @@ struct dmn_place {
 size_t dmn_next(const struct dmn_pyramid *pyramid, const struct dmn_state *sent, const float gaze[3],
                 size_t limit, struct dmn_place *out_places);
 
+/* The tile of level 0 that the gaze falls into. */
+size_t dmn_pyramid_at(const struct dmn_pyramid *pyramid, const float gaze[3]);
+/* The tile by which the client sees that place: the finest that it was sent. False if that has nothing new.
+ */
+bool dmn_seen_at(const struct dmn_pyramid *pyramid, const struct dmn_state *sent, const float gaze[3],
+                 struct dmn_place *out_place);
+
 /* --- latency
  * ------------------------------------------------------------------------------------------------- */
 

@@ -131,6 +131,7 @@ static void look(struct dmn_loop *loop, bool whole)
     loop->part = (loop->part + part) % count;
     loop->outdated = whole ? 0 : loop->outdated - part;
     dmn_pyramid_update(&common->pyramid);
+    common->gaze_sequence = loop->tiles[dmn_pyramid_at(&common->pyramid, common->direction)].gaze_sequence;
     common->version++;
     loop->look_cost_ns = processor_ns() - began_ns;
 }

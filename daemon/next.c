@@ -271,3 +271,34 @@ size_t dmn_next(const struct dmn_pyramid *pyramid, const struct dmn_state *sent,
     qsort(out_places, search.count, sizeof(*out_places), by_rank);
     return search.count;
 }
+
+/* --- where the eye looks
+ * ------------------------------------------------------------------------------------- */
+
+size_t dmn_pyramid_at(const struct dmn_pyramid *pyramid, const float gaze[3])
+{
+    const struct dmn_level *level = &pyramid->level[0];
+    double across = atan2(gaze[0], -gaze[2]) / (2 * M_PI) + 0.5,
+           down = 0.5 - asin(fmax(-1, fmin(1, gaze[1]))) / M_PI;
+    int x = (int)(across * level->columns), y = (int)(down * level->rows);
+
+    if (x >= level->columns) x = 0; /* the seam */
+    if (y >= level->rows) y = level->rows - 1;
+    return (size_t)y * level->columns + x;
+}
+
+bool dmn_seen_at(const struct dmn_pyramid *pyramid, const struct dmn_state *sent, const float gaze[3],
+                 struct dmn_place *out_place)
+{
+    size_t at = dmn_pyramid_at(pyramid, gaze);
+    int x = (int)at % pyramid->level[0].columns, y = (int)at / pyramid->level[0].columns;
+
+    for (int level = 0; level < pyramid->levels; level++, x /= 2, y /= 2) {
+        size_t index = index_of(pyramid, level, x, y);
+
+        if (!sent[index].samples) continue;
+        *out_place = (struct dmn_place){level, x, y, index, 0};
+        return pyramid->state[index].samples > sent[index].samples;
+    }
+    return false;
+}

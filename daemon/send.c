@@ -177,6 +177,13 @@ static const struct dmn_place *next_place(struct dmn_session *session)
         session->next = 0;
         session->plan_version = common->version;
     }
+    if (session->next == session->planned && common->gaze_sequence > session->gaze_sequence) {
+        /* No tile has changed much. Then the one that the eye sees, so that every gaze is answered. */
+        session->gaze_sequence = common->gaze_sequence;
+        session->next = 0;
+        session->planned =
+            dmn_seen_at(&common->pyramid, session->sent, common->direction, &session->plan[0]) ? 1 : 0;
+    }
     return session->next < session->planned ? &session->plan[session->next] : NULL;
 }
 
@@ -205,6 +212,7 @@ static uint8_t *tile(struct dmn_session *session, const struct dmn_place *place,
     tile.error = state.error;
     tile.converged = known->converged;
     tile.settled = known->settled;
+    if (state.gaze_sequence > session->gaze_sequence) session->gaze_sequence = state.gaze_sequence;
     tile.gaze_sequence = state.gaze_sequence;
     tile.gaze_ns = state.gaze_ns;
     tile.aimed_ns = state.aimed_ns;

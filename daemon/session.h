@@ -29,6 +29,7 @@ struct dmn_common {
     uint64_t version;                     /* of the pyramid: counts its updates */
     uint32_t visited, converged, settled; /* tiles of level 0 */
     float direction[3];                   /* that samples are aimed at */
+    uint64_t gaze_sequence;               /* of the newest gaze that has paths in the tile where it looks */
 
     struct dmn_gate gate;
     unsigned clients;

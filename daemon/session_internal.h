@@ -39,6 +39,7 @@ struct dmn_session {
     unsigned saves; /* asked of the saver and not yet answered: each has a place among the replies */
 
     uint64_t serial, acknowledged;
+    uint64_t gaze_sequence; /* the newest of the tiles sent */
     struct dmn_state *sent; /* what each tile was when it was sent; NULL if no tiles are wanted */
     uint64_t generation;    /* that they were of */
     struct dmn_place plan[DMN_PLAN];

@@ -3,7 +3,7 @@
  *   umockdev-wrapper device_latency SCENE [SAMPLES [HZ]]
  *
  * A fake HID tracker sends through umockdev's hidraw, which costs more than the kernel's; a thread reads the
- * source, as fovead's does, and another renders batches of 3.5 ms, which a new sample cuts short, as in
+ * source, as fovead's does, and another renders batches of 2.5 ms, which a new sample cuts short, as in
  * fovead a jump of the gaze does. Prints, in ms: sent to arrived, arrived to the start of the first batch
  * after it, and both together, of every sample; exit code 1 if the 99th percentile of the sum is over 5 ms.
  */
@@ -21,7 +21,7 @@
 #include <time.h>
 
 enum { MAX_SAMPLES = 60000, WIDTH = 1024 };
-static const double bar_ms = 5, batch_seconds = 0.0035;
+static const double bar_ms = 5, batch_seconds = 0.0025;
 
 struct gaze { /* under lock */
     pthread_mutex_t lock;

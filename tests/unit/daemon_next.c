@@ -346,6 +346,57 @@ static void every_film_gets_there_from_any_state(void **state)
     assert_true(covered(world, 0));
 }
 
+static void every_direction_falls_into_its_tile(void **state)
+{
+    struct world *world = *state;
+    size_t columns = (size_t)world->pyramid.level[0].columns,
+           count = columns * (size_t)world->pyramid.level[0].rows;
+
+    for (size_t i = 0; i < count; i++)
+        assert_int_equal(dmn_pyramid_at(&world->pyramid, world->pyramid.centre[i]), i);
+    /* Poles, and both sides of the seam. */
+    assert_true(dmn_pyramid_at(&world->pyramid, (const float[3]){0, 1, 0}) < columns);
+    assert_true(dmn_pyramid_at(&world->pyramid, (const float[3]){0, -1.0001f, 0}) >= count - columns);
+    assert_int_equal(dmn_pyramid_at(&world->pyramid, (const float[3]){0, 0.01f, 1}) % columns, 0);
+    assert_int_equal(dmn_pyramid_at(&world->pyramid, (const float[3]){-0.01f, 0.01f, 1}) % columns, 0);
+    assert_int_equal(dmn_pyramid_at(&world->pyramid, (const float[3]){0.01f, 0.01f, 1}) % columns,
+                     columns - 1);
+}
+
+static void what_the_eye_sees_is_the_finest_that_was_sent(void **state)
+{
+    struct world *world = *state;
+    size_t columns = (size_t)world->pyramid.level[0].columns, fine = dmn_pyramid_at(&world->pyramid, FORWARD),
+           coarse;
+    struct dmn_place place;
+
+    /* A client that has nothing sees nothing. */
+    paint(world, DMN_OUTLINE_PATHS);
+    update(world);
+    assert_false(dmn_seen_at(&world->pyramid, world->sent, FORWARD, &place));
+
+    /* It is sent the coarse levels: their finest is seen, and has nothing new until there are more paths. */
+    send_until_done(world, FORWARD);
+    assert_false(dmn_seen_at(&world->pyramid, world->sent, FORWARD, &place));
+    world->tiles[fine].samples++;
+    update(world);
+    assert_true(dmn_seen_at(&world->pyramid, world->sent, FORWARD, &place));
+    assert_int_equal(place.level, 4);
+    coarse = world->pyramid.level[4].first + (fine / columns >> 4) * (columns >> 4) + (fine % columns >> 4);
+    assert_int_equal(place.index, coarse);
+
+    /* Then the fine one, which one more path does not make worth sending for itself. */
+    paint(world, 10 * ENOUGH);
+    choose(world, FORWARD, LIMIT);
+    send_until_done(world, FORWARD);
+    world->tiles[fine].samples++;
+    choose(world, FORWARD, LIMIT);
+    assert_int_equal(world->count, 0);
+    assert_true(dmn_seen_at(&world->pyramid, world->sent, FORWARD, &place));
+    assert_int_equal(place.level, 0);
+    assert_int_equal(place.index, fine);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -361,6 +412,8 @@ int main(void)
         cmocka_unit_test(sums_of_what_changed),
         cmocka_unit_test(sizes_that_are_no_power_of_two),
         cmocka_unit_test_setup_teardown(every_film_gets_there_from_any_state, setup, teardown),
+        cmocka_unit_test_setup_teardown(every_direction_falls_into_its_tile, setup, teardown),
+        cmocka_unit_test_setup_teardown(what_the_eye_sees_is_the_finest_that_was_sent, setup, teardown),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
