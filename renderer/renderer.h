@@ -56,7 +56,7 @@ struct rnd_scene_options {
      * caustics, and sharp shadows behind rough glass. Off: unbiased. */
     bool clear_glass;
     /* Limits of the programs that read files: MiB of memory, and seconds of processor time for one file; 0:
-     * the defaults of reader_limits.c. */
+     * the defaults of reader_limits.c. Embree's trees may take as much memory again. */
     uint32_t reader_mib, reader_seconds;
     /* Who reads pictures, ready from scenes before; it must outlive the scene. NULL: a new one, the scene's.
      */

@@ -46,6 +46,18 @@ static bool goes_on(void *argument, double share)
     return is_wanted(argument);
 }
 
+/* Embree asks this before it takes memory, from any of its threads, and tells here what it gives back. A file
+ * can name the same triangles so often that their trees are larger than all that was read. */
+static bool may_take(void *argument, ssize_t bytes, bool taken)
+{
+    struct rnd_scene *scene = argument;
+    const int64_t all = atomic_fetch_add(&scene->tree_bytes, bytes) + bytes;
+    (void)taken;
+    if (bytes <= 0 || all <= (int64_t)scene->reader_mib << 20) return true;
+    atomic_store(&scene->trees_too_large, true);
+    return false;
+}
+
 static RTCScene new_tree(const struct rnd_scene *scene, enum RTCSceneFlags flags)
 {
     RTCScene tree = rtcNewScene(scene->device);
@@ -84,6 +96,7 @@ bool rnd_accel_build(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE])
                  (int)rtcGetDeviceError(NULL));
         return false;
     }
+    rtcSetDeviceMemoryMonitorFunction(scene->device, may_take, scene);
     RTCScene *part = calloc(scene->mesh_count + 1, sizeof *part); /* trees of meshes that have their own */
     if (!part || !rnd_alpha_build(scene)) {
         snprintf(out_error, RND_ERROR_SIZE, "not enough memory");
@@ -116,6 +129,10 @@ bool rnd_accel_build(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE])
     free(part);
     const enum RTCError code = rtcGetDeviceError(scene->device);
     if (code == RTC_ERROR_NONE && is_wanted(scene)) return true;
-    snprintf(out_error, RND_ERROR_SIZE, "Embree could not build its tree (error %d)", (int)code);
+    if (atomic_load(&scene->trees_too_large))
+        snprintf(out_error, RND_ERROR_SIZE, "its triangles need more than %u MiB in Embree's trees",
+                 (unsigned)scene->reader_mib);
+    else
+        snprintf(out_error, RND_ERROR_SIZE, "Embree could not build its tree (error %d)", (int)code);
     return false;
 }

@@ -147,6 +147,8 @@ struct rnd_scene {
     struct rnd_readers *readers,
         *own_readers; /* who reads pictures; the same if the scene destroys them, else NULL */
     uint32_t reader_mib, reader_seconds; /* MiB; as the options have it, 0: by the file */
+    _Atomic int64_t tree_bytes;          /* that Embree has taken */
+    atomic_bool trees_too_large;         /* it asked for more than reader_mib, and did not get it */
     const atomic_bool *cancel;           /* of the options, while the scene is loaded; then NULL */
     /* Where the scene's own coordinates begin, m: all but info is in these, since floats are too coarse far
      * from their origin. */

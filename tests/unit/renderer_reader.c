@@ -240,6 +240,75 @@ static void hostile(void **state)
     assert_int_equal(got.rows, 23);
 }
 
+/* --- what is named many times --- */
+
+enum { SIDE = 256, CORNERS = SIDE * SIDE, INDICES = 6 * (SIDE - 1) * (SIDE - 1), TIMES = 12 };
+
+/* A square of 130,050 triangles that a glTF has under so many meshes, all of the same bytes. */
+static const char *square(int meshes)
+{
+    static float corner[CORNERS][3];
+    static uint16_t index[INDICES];
+    static char json[8192];
+    const char *bin = files_path("square.bin");
+    size_t n = 0, at = 0;
+    for (int i = 0; i < CORNERS; i++) {
+        corner[i][0] = (float)(i % SIDE);
+        corner[i][2] = (float)(i / SIDE);
+    }
+    for (int y = 0; y + 1 < SIDE; y++)
+        for (int x = 0; x + 1 < SIDE; x++)
+            for (int k = 0; k < 6; k++)
+                index[n++] = (uint16_t)((y + ("011100"[k] - '0')) * SIDE + x + ("000111"[k] - '0'));
+    FILE *file = fopen(bin, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(corner, sizeof corner, 1, file), 1);
+    assert_int_equal(fwrite(index, sizeof index, 1, file), 1);
+    assert_int_equal(fclose(file), 0);
+    at += (size_t)sprintf(
+        json,
+        "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"uri\":\"square.bin\",\"byteLength\":%zu}],"
+        "\"bufferViews\":[{\"buffer\":0,\"byteLength\":%zu},"
+        "{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu}],"
+        "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":%d,\"type\":\"VEC3\","
+        "\"min\":[0,0,0],\"max\":[255,0,255]},"
+        "{\"bufferView\":1,\"componentType\":5123,\"count\":%d,\"type\":\"SCALAR\"}],"
+        "\"materials\":[{\"emissiveFactor\":[1,1,1]}],\"meshes\":[",
+        sizeof corner + sizeof index, sizeof corner, sizeof corner, sizeof index, CORNERS, INDICES);
+    for (int m = 0; m < meshes; m++)
+        at += (size_t)sprintf(json + at,
+                              "%s{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1,"
+                              "\"material\":0}]}",
+                              m ? "," : "");
+    at += (size_t)sprintf(json + at, "],\"nodes\":[");
+    for (int m = 0; m < meshes; m++)
+        at += (size_t)sprintf(json + at, "%s{\"mesh\":%d,\"translation\":[0,%d,0]}", m ? "," : "", m, m);
+    at += (size_t)sprintf(json + at, "],\"scenes\":[{\"nodes\":[");
+    for (int m = 0; m < meshes; m++) at += (size_t)sprintf(json + at, "%s%d", m ? "," : "", m);
+    sprintf(json + at, "]}]}");
+    return files_text("square.gltf", json);
+}
+
+/* Small files can make large trees. */
+static void large_trees(void **state)
+{
+    (void)state;
+    char error[RND_ERROR_SIZE] = "";
+    struct rnd_scene_options options = {.path = square(1), .readers = files_readers(), .reader_mib = 128};
+    struct rnd_scene *scene = rnd_scene_load(&options, error);
+    if (!scene) fail_msg("%s", error);
+    assert_int_equal(scene->info.triangles, INDICES / 3);
+    rnd_scene_destroy(scene);
+    options.path = square(TIMES);
+    assert_null(rnd_scene_load(&options, error));
+    assert_non_null(strstr(error, "its triangles need more than 128 MiB in Embree's trees"));
+    options.reader_mib = 4096;
+    scene = rnd_scene_load(&options, error);
+    if (!scene) fail_msg("%s", error);
+    assert_int_equal(scene->info.triangles, TIMES * INDICES / 3);
+    rnd_scene_destroy(scene);
+}
+
 /* --- the end --- */
 
 /* Nothing is read for somebody who does not want it any more. */
@@ -264,6 +333,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(without_finest),    cmocka_unit_test(sizes),
                                        cmocka_unit_test(large_environment), cmocka_unit_test(large_texture),
-                                       cmocka_unit_test(hostile),           cmocka_unit_test(cancelled)};
+                                       cmocka_unit_test(hostile),           cmocka_unit_test(large_trees),
+                                       cmocka_unit_test(cancelled)};
     return cmocka_run_group_tests(tests, files_setup, files_teardown);
 }
