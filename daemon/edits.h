@@ -9,7 +9,7 @@
 
 #include <stdio.h>
 
-#include "paint.h"
+#include "session.h"
 
 struct dmn_edits;
 

@@ -8,6 +8,7 @@
 #define FOVEAD_DAEMON_GAZE_H
 
 #include "daemon.h"
+#include "options.h"
 
 enum { DMN_TEXT_SIZE = 1024 }; /* of one line on what was done, or why not */
 

@@ -1,7 +1,7 @@
 /* Histograms of times, fine enough for percentiles and small enough to keep for ever. */
 #include <math.h>
 
-#include "daemon.h"
+#include "histogram.h"
 
 /* Bins a doubling: 2^(1/32) is 2.2 per cent, so the middle of a bin is right to 1.1. */
 enum { PER_OCTAVE = 32, BINS = sizeof(((struct dmn_histogram *)0)->bin) / sizeof(uint32_t) };

@@ -54,8 +54,7 @@ struct dmn_loop {
     bool stop, late;       /* the loop ends; clients have had time enough to take their Bye */
 };
 
-/* --- the state of the picture
- * -------------------------------------------------------------------------------- */
+/* --- the state of the picture --- */
 
 /* What this thread has had of the processor. */
 static uint64_t processor_ns(void)
@@ -96,10 +95,10 @@ static void take_tile(struct dmn_loop *loop, size_t i)
     struct dmn_common *common = loop->common;
     const struct rnd_tile *tile = &loop->tiles[i];
     int columns = common->pyramid.level[0].columns;
-    struct dmn_state state = {tile->samples, tile->converged,
+    struct dmn_tile state = {tile->samples, tile->converged,
                               rnd_tile_settled(common->render, tile, (int)i % columns, (int)i / columns,
                                                common->direction)},
-                     before = common->pyramid.state[i];
+                     before = common->pyramid.tile[i];
 
     common->visited += (state.samples > DMN_OUTLINE_PATHS) - (before.samples > DMN_OUTLINE_PATHS);
     common->converged += state.converged - before.converged;
@@ -207,8 +206,7 @@ static void on_wake(struct dmn_loop *loop)
     ask_to_write(loop);
 }
 
-/* --- libwebsockets' callbacks: one protocol a kind of descriptor
- * ------------------------------------------------ */
+/* --- libwebsockets' callbacks: one protocol a kind of descriptor --- */
 
 static struct dmn_loop *loop_of(struct lws *wsi)
 {
@@ -370,8 +368,7 @@ static const struct lws_protocols PROTOCOLS[] = {
     {0},
 };
 
-/* --- life
- * ------------------------------------------------------------------------------------------------------ */
+/* --- life --- */
 
 static bool adopt_file(struct dmn_loop *loop, int fd, const char *protocol, void *opaque)
 {

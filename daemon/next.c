@@ -7,7 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "daemon.h"
+#include "next.h"
+#include "renderer.h"
 
 /* Levels of at most so many tiles go whole before anything is refined: a picture of 512 x 256 pixels. */
 enum { COARSE_TILES = 32 };
@@ -33,125 +34,11 @@ static const float AGAIN = 0.035f;
 /* Ranks: what has no picture, then coarse levels, then by distance, which is below four. */
 static const float RANK_BLACK = -200, RANK_COARSE = -100;
 
-/* A tile at the edge of a level may be filled in part only. */
-static int tiles_of(int pixels, int level)
-{
-    int side = RND_TILE << level;
-
-    return (pixels + side - 1) / side;
-}
-
-bool dmn_pyramid_init(struct dmn_pyramid *pyramid, int width, int height, int levels)
-{
-    *pyramid = (struct dmn_pyramid){.levels = levels};
-    if (levels < 1 || levels > DMN_MAX_LEVELS) return false;
-    for (int i = 0; i < levels; i++) {
-        struct dmn_level *level = &pyramid->level[i];
-
-        level->columns = tiles_of(width, i);
-        level->rows = tiles_of(height, i);
-        level->first = pyramid->count;
-        pyramid->count += (size_t)level->columns * level->rows;
-    }
-    pyramid->state = calloc(pyramid->count, sizeof(*pyramid->state));
-    pyramid->centre = calloc(pyramid->count, sizeof(*pyramid->centre));
-    pyramid->stale = calloc(pyramid->count, sizeof(*pyramid->stale));
-    if (!pyramid->state || !pyramid->centre || !pyramid->stale) {
-        dmn_pyramid_finish(pyramid);
-        return false;
-    }
-    for (int i = 0; i < levels; i++) {
-        const struct dmn_level *level = &pyramid->level[i];
-        float side = (float)(RND_TILE << i);
-
-        for (int y = 0; y < level->rows; y++)
-            for (int x = 0; x < level->columns; x++)
-                rnd_direction(((x + 0.5f) * side / width * 2 - 1) * (float)M_PI,
-                              (0.5f - fminf((y + 0.5f) * side / height, 1)) * (float)M_PI,
-                              pyramid->centre[level->first + (size_t)y * level->columns + x]);
-    }
-    return true;
-}
-
-void dmn_pyramid_finish(struct dmn_pyramid *pyramid)
-{
-    free(pyramid->state);
-    free(pyramid->centre);
-    free(pyramid->stale);
-    *pyramid = (struct dmn_pyramid){0};
-}
-
-static size_t index_of(const struct dmn_pyramid *pyramid, int level, int x, int y)
-{
-    return pyramid->level[level].first + (size_t)y * pyramid->level[level].columns + x;
-}
-
-/* One of the four tiles that (x, y) covers one level finer; false where the film ends before it. */
-static bool child_of(const struct dmn_pyramid *pyramid, int level, int *x, int *y, int child)
-{
-    *x = 2 * *x + (child & 1);
-    *y = 2 * *y + (child >> 1);
-    return *x < pyramid->level[level - 1].columns && *y < pyramid->level[level - 1].rows;
-}
-
-static bool same_state(const struct dmn_state *a, const struct dmn_state *b)
-{
-    return a->samples == b->samples && a->converged == b->converged && a->settled == b->settled;
-}
-
-/* The sum of the tiles that it covers one level finer. */
-static struct dmn_state sum_of(const struct dmn_pyramid *pyramid, int level, int x, int y)
-{
-    struct dmn_state sum = {0, true, true};
-
-    for (int child = 0; child < 4; child++) {
-        const struct dmn_state *in;
-        int column = x, row = y;
-
-        if (!child_of(pyramid, level, &column, &row, child)) continue;
-        in = &pyramid->state[index_of(pyramid, level - 1, column, row)];
-        sum.samples += in->samples;
-        sum.converged &= in->converged;
-        sum.settled &= in->settled;
-    }
-    return sum;
-}
-
-/* The tile that covers (x, y) one level coarser has to be summed up anew. */
-static void mark_parent(struct dmn_pyramid *pyramid, int level, int x, int y)
-{
-    if (level + 1 < pyramid->levels) pyramid->stale[index_of(pyramid, level + 1, x / 2, y / 2)] = true;
-}
-
-void dmn_pyramid_set(struct dmn_pyramid *pyramid, size_t index, const struct dmn_state *state)
-{
-    int columns = pyramid->level[0].columns;
-
-    if (same_state(&pyramid->state[index], state)) return;
-    pyramid->state[index] = *state;
-    mark_parent(pyramid, 0, (int)index % columns, (int)index / columns);
-}
-
-void dmn_pyramid_update(struct dmn_pyramid *pyramid)
-{
-    for (int l = 1; l < pyramid->levels; l++)
-        for (int y = 0; y < pyramid->level[l].rows; y++)
-            for (int x = 0; x < pyramid->level[l].columns; x++) {
-                size_t index = index_of(pyramid, l, x, y);
-
-                if (!pyramid->stale[index]) continue;
-                pyramid->stale[index] = false;
-                pyramid->state[index] = sum_of(pyramid, l, x, y);
-                mark_parent(pyramid, l, x, y);
-            }
-}
-
-/* --- the best few
- * -------------------------------------------------------------------------------------------- */
+/* --- the best few --- */
 
 struct search {
     const struct dmn_pyramid *pyramid;
-    const struct dmn_state *sent;
+    const struct dmn_tile *sent;
     const float *gaze;
     size_t count, limit;
     struct dmn_place *heap; /* worst first */
@@ -195,8 +82,7 @@ static void offer(struct search *search, struct dmn_place place)
     }
 }
 
-/* --- the walk
- * ------------------------------------------------------------------------------------------------ */
+/* --- the walk --- */
 
 /* Angle from the gaze to the nearest part of a tile, roughly: tiles are squares near the equator and slivers
  * near the poles, so the circle around them is what counts. */
@@ -209,7 +95,7 @@ static float distance(const struct search *search, int level, size_t index)
     return fmaxf(0, acosf(fmaxf(-1, fminf(1, cosine))) - radius);
 }
 
-static bool has_grown(const struct dmn_state *now, const struct dmn_state *sent)
+static bool has_grown(const struct dmn_tile *now, const struct dmn_tile *sent)
 {
     return (double)now->samples >= GROWTH * (double)sent->samples ||
            (now->converged && !sent->converged && now->samples > sent->samples) ||
@@ -225,8 +111,8 @@ struct shown {
 static struct shown walk(struct search *search, int level, int x, int y, bool above)
 {
     const struct dmn_pyramid *pyramid = search->pyramid;
-    size_t index = index_of(pyramid, level, x, y);
-    const struct dmn_state *now = &pyramid->state[index], *sent = &search->sent[index];
+    size_t index = dmn_pyramid_index(pyramid, level, x, y);
+    const struct dmn_tile *now = &pyramid->tile[index], *sent = &search->sent[index];
     bool coarsest = level == pyramid->levels - 1;
     bool ready = now->samples >= (coarsest ? 1 : enough(level)), has = sent->samples > 0;
     struct shown finer = {level > 0, level > 0};
@@ -235,7 +121,7 @@ static struct shown walk(struct search *search, int level, int x, int y, bool ab
         int column = x, row = y;
         struct shown s;
 
-        if (!child_of(pyramid, level, &column, &row, child)) continue;
+        if (!dmn_pyramid_child(pyramid, level, &column, &row, child)) continue;
         s = walk(search, level - 1, column, row, above || ready || has);
         finer.all &= s.all;
         finer.soon &= s.all || s.soon;
@@ -259,7 +145,7 @@ static struct shown walk(struct search *search, int level, int x, int y, bool ab
     return (struct shown){has || finer.all, ready || finer.soon};
 }
 
-size_t dmn_next(const struct dmn_pyramid *pyramid, const struct dmn_state *sent, const float gaze[3],
+size_t dmn_next(const struct dmn_pyramid *pyramid, const struct dmn_tile *sent, const float gaze[3],
                 size_t limit, struct dmn_place *out_places)
 {
     struct search search = {pyramid, sent, gaze, 0, limit, out_places};
@@ -272,33 +158,20 @@ size_t dmn_next(const struct dmn_pyramid *pyramid, const struct dmn_state *sent,
     return search.count;
 }
 
-/* --- where the eye looks
- * ------------------------------------------------------------------------------------- */
+/* --- where the eye looks --- */
 
-size_t dmn_pyramid_at(const struct dmn_pyramid *pyramid, const float gaze[3])
-{
-    const struct dmn_level *level = &pyramid->level[0];
-    double across = atan2(gaze[0], -gaze[2]) / (2 * M_PI) + 0.5,
-           down = 0.5 - asin(fmax(-1, fmin(1, gaze[1]))) / M_PI;
-    int x = (int)(across * level->columns), y = (int)(down * level->rows);
-
-    if (x >= level->columns) x = 0; /* the seam */
-    if (y >= level->rows) y = level->rows - 1;
-    return (size_t)y * level->columns + x;
-}
-
-bool dmn_seen_at(const struct dmn_pyramid *pyramid, const struct dmn_state *sent, const float gaze[3],
+bool dmn_seen_at(const struct dmn_pyramid *pyramid, const struct dmn_tile *sent, const float gaze[3],
                  struct dmn_place *out_place)
 {
     size_t at = dmn_pyramid_at(pyramid, gaze);
     int x = (int)at % pyramid->level[0].columns, y = (int)at / pyramid->level[0].columns;
 
     for (int level = 0; level < pyramid->levels; level++, x /= 2, y /= 2) {
-        size_t index = index_of(pyramid, level, x, y);
+        size_t index = dmn_pyramid_index(pyramid, level, x, y);
 
         if (!sent[index].samples) continue;
         *out_place = (struct dmn_place){level, x, y, index, 0};
-        return pyramid->state[index].samples > sent[index].samples;
+        return pyramid->tile[index].samples > sent[index].samples;
     }
     return false;
 }

@@ -7,7 +7,7 @@
 
 #include <cglm/cglm.h>
 
-#include "daemon.h"
+#include "numbers.h"
 
 uint64_t dmn_now_ns(void)
 {

@@ -6,7 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "daemon.h"
+#include "numbers.h"
+#include "options.h"
+#include "print.h"
 
 static const char HELP[] =
     "Usage: fovead --scene FILE [OPTION]...\n"

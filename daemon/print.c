@@ -2,7 +2,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "daemon.h"
+#include "print.h"
+#include "renderer.h"
 
 void dmn_vprint(FILE *out, const char *format, va_list arguments)
 {

@@ -159,8 +159,7 @@ static uint8_t *stats(struct dmn_session *session, size_t *out_count)
     return pack(session, FOVEA__MESSAGE__BODY_STATS, &stats, out_count);
 }
 
-/* --- tiles
- * --------------------------------------------------------------------------------------------------- */
+/* --- tiles --- */
 
 /* The next tile of the plan; a new plan when the picture has changed since the last one. */
 static const struct dmn_place *next_place(struct dmn_session *session)
@@ -189,7 +188,7 @@ static const struct dmn_place *next_place(struct dmn_session *session)
 
 static uint8_t *tile(struct dmn_session *session, const struct dmn_place *place, size_t *out_count)
 {
-    const struct dmn_state *known = &session->common->pyramid.state[place->index];
+    const struct dmn_tile *known = &session->common->pyramid.tile[place->index];
     float rgb[RND_TILE * RND_TILE * 3];
     Fovea__Tile tile = FOVEA__TILE__INIT;
     struct rnd_tile state;
@@ -201,7 +200,7 @@ static uint8_t *tile(struct dmn_session *session, const struct dmn_place *place,
     if (state.generation + 1 != session->generation) return NULL;
     tile.data.data = pro_encode(session->encoding, rgb, RND_TILE, &tile.data.len);
     if (!tile.data.data) return NULL;
-    session->sent[place->index] = (struct dmn_state){state.samples, known->converged, known->settled};
+    session->sent[place->index] = (struct dmn_tile){state.samples, known->converged, known->settled};
     tile.serial = ++session->serial;
     tile.generation = session->generation;
     tile.level = (uint32_t)place->level;
@@ -222,8 +221,7 @@ static uint8_t *tile(struct dmn_session *session, const struct dmn_place *place,
     return frame;
 }
 
-/* --- in this order
- * ------------------------------------------------------------------------------------------- */
+/* --- in this order --- */
 
 bool dmn_session_wants(struct dmn_session *session)
 {

@@ -10,9 +10,16 @@
 #include "gate.h"
 #include "gaze.h"
 #include "paint.h"
+#include "pyramid.h"
 #include "saver.h"
 
 struct dmn_edits;
+
+/* What clients are told of the scene. */
+struct dmn_scene_words {
+    char line[1024];
+    char refused[RND_ERROR_SIZE]; /* why the last edit was not taken; "": it was */
+};
 
 /* What all sessions share. */
 struct dmn_common {

@@ -2,6 +2,7 @@
 #ifndef FOVEAD_DAEMON_SESSION_INTERNAL_H
 #define FOVEAD_DAEMON_SESSION_INTERNAL_H
 
+#include "next.h"
 #include "session.h"
 
 enum {
@@ -40,7 +41,7 @@ struct dmn_session {
 
     uint64_t serial, acknowledged;
     uint64_t gaze_sequence; /* the newest of the tiles sent */
-    struct dmn_state *sent; /* what each tile was when it was sent; NULL if no tiles are wanted */
+    struct dmn_tile *sent;  /* what each tile was when it was sent; NULL if no tiles are wanted */
     uint64_t generation;    /* that they were of */
     struct dmn_place plan[DMN_PLAN];
     size_t planned, next;

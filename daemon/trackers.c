@@ -5,7 +5,7 @@
 #include <jansson.h>
 
 #include "tracker.h"
-#include "daemon.h"
+#include "print.h"
 #include "trackers.h"
 
 enum { MOST = 64 };

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "daemon.h"
+#include "until.h"
 
 bool dmn_until_parse(const char *text, struct dmn_until *out_until)
 {

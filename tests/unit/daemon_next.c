@@ -7,7 +7,8 @@
 
 #include <cmocka.h>
 
-#include "daemon.h"
+#include "next.h"
+#include "renderer.h"
 
 enum { WIDTH = 4096, HEIGHT = 2048, LEVELS = 6, LIMIT = 4096, ENOUGH = 4 * RND_TILE * RND_TILE };
 
@@ -17,7 +18,7 @@ struct world {
     struct dmn_pyramid pyramid;
     struct rnd_tile *tiles;
     bool *settled;
-    struct dmn_state *sent;
+    struct dmn_tile *sent;
     struct dmn_place places[LIMIT];
     size_t count;
 };
@@ -67,7 +68,7 @@ static void update(struct world *world)
         const struct rnd_tile *tile = &world->tiles[i];
 
         dmn_pyramid_set(&world->pyramid, i,
-                        &(struct dmn_state){tile->samples, tile->converged, world->settled[i]});
+                        &(struct dmn_tile){tile->samples, tile->converged, world->settled[i]});
     }
     dmn_pyramid_update(&world->pyramid);
 }
@@ -82,7 +83,7 @@ static void choose(struct world *world, const float gaze[3], size_t limit)
 static void send_all(struct world *world)
 {
     for (size_t i = 0; i < world->count; i++)
-        world->sent[world->places[i].index] = world->pyramid.state[world->places[i].index];
+        world->sent[world->places[i].index] = world->pyramid.tile[world->places[i].index];
 }
 
 /* Until there is no more to send; returns how many tiles that took. */
@@ -284,10 +285,9 @@ static void sums_of_what_changed(void **state)
         for (int l = 0; l < 4; l++)
             for (int y = 0; y < pyramid->level[l].rows; y++)
                 for (int x = 0; x < pyramid->level[l].columns; x++) {
-                    const struct dmn_state *sum =
-                        &pyramid
-                             ->state[pyramid->level[l].first + (size_t)(y * pyramid->level[l].columns + x)];
-                    struct dmn_state want = {0, true, true};
+                    const struct dmn_tile *sum =
+                        &pyramid->tile[pyramid->level[l].first + (size_t)(y * pyramid->level[l].columns + x)];
+                    struct dmn_tile want = {0, true, true};
 
                     for (int r = y << l; r < (y + 1) << l && r < rows; r++)
                         for (int c = x << l; c < (x + 1) << l && c < columns; c++) {
@@ -315,7 +315,7 @@ static void sizes_that_are_no_power_of_two(void **state)
     paint(world, ENOUGH);
     update(world);
     /* The last row of level 1 has two tiles of the film under it, not four. */
-    assert_int_equal(world->pyramid.state[world->pyramid.level[1].first + 2 * 5].samples, 2 * ENOUGH);
+    assert_int_equal(world->pyramid.tile[world->pyramid.level[1].first + 2 * 5].samples, 2 * ENOUGH);
     send_until_done(world, FORWARD);
     assert_true(covered(world, 0));
     teardown((void **)&world);

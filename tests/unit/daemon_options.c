@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "daemon.h"
+#include "options.h"
 
 /* What a refusal says on stderr. */
 static char said[4096];

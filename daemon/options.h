@@ -1,0 +1,40 @@
+/* options: fovead's command line. */
+#ifndef FOVEAD_DAEMON_OPTIONS_H
+#define FOVEAD_DAEMON_OPTIONS_H
+
+#include "protocol.h"
+#include "renderer.h"
+#include "tracker.h"
+#include "until.h"
+
+enum { DMN_MAX_LISTEN = 8 };
+
+struct dmn_options {
+    struct rnd_scene_options scene;
+    bool watch; /* take up edits of the scene's files */
+    struct rnd_render_options render;
+    const char *gaze; /* NULL: no source; samples are not steered */
+    double speed;
+    bool loop;
+    bool raw_gaze, predict;
+    struct trk_screen screen;
+    const char *calibration; /* NULL: none */
+    const char *record;      /* NULL: not recorded */
+    bool replace;            /* what record names may exist */
+    float fov[2];            /* rad, of the vp viewport */
+    float display_ppd;       /* pixels per degree; 0: as fine as the eye */
+    bool virtual_clock;
+    struct pro_address listen[DMN_MAX_LISTEN];
+    int listens;
+    struct dmn_until until;
+    const char *save; /* NULL: not saved */
+    bool json;
+};
+
+enum dmn_parsed { DMN_RUN, DMN_LIST, DMN_ANSWERED, DMN_REFUSED };
+
+/* Strings in *out_options point into argv. DMN_LIST: only list eye trackers. DMN_ANSWERED after --help or
+ * --version (exit 0), DMN_REFUSED after one line on stderr (exit 2). */
+enum dmn_parsed dmn_options_parse(int argc, char **argv, struct dmn_options *out_options);
+
+#endif
