@@ -29,6 +29,7 @@ struct dmn_options {
     struct dmn_until until;
     const char *save; /* NULL: not saved */
     bool json;
+    bool list_trackers;
 };
 
 enum dmn_parsed { DMN_RUN, DMN_LIST, DMN_ANSWERED, DMN_REFUSED };

@@ -146,6 +146,32 @@ static void gaze(void **state)
     assert_true(o.json);
 }
 
+static void given_again(void **state)
+{
+    struct dmn_options o;
+
+    (void)state;
+    run("--scene a --mode od --mode vp --fov 90,80 --fov 60,50 --clock virtual --clock real --until end "
+        "--until 3s",
+        &o);
+    assert_string_equal(o.render.distribution->name, "vp");
+    assert_true(fabsf(o.fov[0] - (float)M_PI / 3) < 1e-6f);
+    assert_false(o.virtual_clock);
+    assert_true(o.until.kind == DMN_UNTIL_SECONDS && o.until.amount == 3);
+    finish(&o);
+    run("--scene a --listen /a --listen /b --listen /c --listen /d --listen /e --listen /f --listen /g "
+        "--listen /h",
+        &o);
+    assert_int_equal(o.listens, 8);
+    finish(&o);
+    assert_int_equal(
+        parse("--scene a --listen /a --listen /b --listen /c --listen /d --listen /e --listen /f "
+              "--listen /g --listen /h --listen /i",
+              &o),
+        DMN_REFUSED);
+    assert_string_equal(said, "fovead: --listen: 8 addresses at most; see fovead --help\n");
+}
+
 static void refused_with_one_line(void **state)
 {
     static const char *const LINES[] = {
@@ -161,6 +187,7 @@ static void refused_with_one_line(void **state)
         "--scene a --sun 1,2,3",
         "--scene a --sun 1,2,3,nan",
         "--scene a --sun 1,95,3,0.5",
+        "--scene a --sun 1,2,1e300,0.5",
         "--scene a --eye 1,2",
         "--scene a --eye 1,2,3,4",
         "--scene a --eye 1,,3",
@@ -172,14 +199,22 @@ static void refused_with_one_line(void **state)
         "--scene a --threads -1",
         "--scene a --threads 1e3",
         "--scene a --seed 18446744073709551616",
-        "--scene a --bounces x", "--scene a --env-turn 10", "--scene a --env b --env-turn x", "--scene a --clamp 0",
-        "--scene a --clamp x", "--scene a --display-ppd 0", "--scene a --mode od --display-ppd 20",
+        "--scene a --bounces x",
+        "--scene a --env-turn 10",
+        "--scene a --env b --env-turn x",
+        "--scene a --clamp 0",
+        "--scene a --clamp x",
+        "--scene a --clamp 1e-60",
+        "--scene a --clamp 1e60",
+        "--scene a --display-ppd 0",
+        "--scene a --mode od --display-ppd 20",
         "--scene a --speed -1",
         "--scene a --speed inf",
         "--scene a --mode nope",
         "--scene a --fov 90,80",
         "--scene a --mode vp --fov 90",
         "--scene a --mode vp --fov 180,90",
+        "--scene a --mode vp --fov 179.9999999999,90",
         "--scene a --until 5",
         "--scene a --until 0spp",
         "--scene a --until -3s",
@@ -308,6 +343,7 @@ int main(void)
         cmocka_unit_test(a_final_picture),
         cmocka_unit_test(everything_said),
         cmocka_unit_test(gaze),
+        cmocka_unit_test(given_again),
         cmocka_unit_test(refused_with_one_line),
         cmocka_unit_test(done),
         cmocka_unit_test(places),
