@@ -291,38 +291,79 @@ void rnd_make_printable(char *text);
 /* --- metrics
  * ------------------------------------------------------------------------------------------------- */
 
-/* Root mean square error of the luminance relative to the reference's mean luminance, over the disc of radius
- * rad around gaze (the whole sphere if radius >= pi), weighted by solid angle. */
-double rnd_relative_rmse(const float *test, const float *reference, int width, int height,
-                         const float gaze[3], float radius);
-
-/* Mean of (test - reference)^2 / (reference^2 + RND_RELATIVE_MSE_EPSILON) over count values, the channels
- * each by itself (Rousselle et al. 2011). */
-#define RND_RELATIVE_MSE_EPSILON 0.01
-double rnd_relative_mse(const float *test, const float *reference, size_t count);
-
-/* Peak signal-to-noise ratio of count values as sRGB shows them, dB; INFINITY if no value differs. */
-double rnd_psnr(const float *test, const float *reference, size_t count);
-
-/* What FLIP found: 0 is no visible difference, 1 the largest there can be. */
-struct rnd_flip {
-    double mean;        /* the figure to quote */
-    double quartile[3]; /* each pixel counting by its error, from bins of 0.01: the second is the median */
-    double largest;
-    double start, stop; /* HDR: the first and the last exposure, stops */
-    int exposures;      /* HDR: how many; else 0 */
+/* Two pictures of the same size, or two sequences of frames, and how they are seen. */
+struct rnd_pair {
+    const float *reference, *test; /* height x width x RGB, linear; of a sequence, the first frames */
+    int width, height;             /* 1 to RND_METRIC_MAX_SIDE */
+    bool panorama;                 /* equirectangular, the whole sphere; else flat, as a screen shows it */
+    bool display;                  /* values from 0 to 1 that a display shows; else radiance */
+    float pixels_per_degree;       /* as the eye sees the middle of the picture; 0: not known */
+    const float *gaze;             /* unit direction (a flat picture's middle is -Z); NULL: not known */
+    /* How much each pixel counts, height x width, beside its solid angle in a panorama: 0 leaves it out.
+     * NULL: all count alike. */
+    const float *weight;
+    /* Of a sequence: put the next frames into reference and test; false after the last. NULL: a picture. */
+    bool (*next)(struct rnd_pair *pair);
+    void *frames;        /* for next() */
+    float frame_seconds; /* of a sequence: from one frame to the next */
 };
 
-#define RND_FLIP_PPD 67.020643f /* the authors' screen: 3840 pixels on 0.7 m, seen from 0.7 m */
-enum { RND_FLIP_MAX_PPD = 300, RND_FLIP_MAX_SIDE = 65536 };
+enum { RND_METRIC_MAX_SIDE = 65536, RND_METRIC_FIGURES = 12, RND_METRIC_NOTE_SIZE = 256 };
 
-/* FLIP of two pictures, width x height x RGB, linear, shown with pixels_per_degree (1 to RND_FLIP_MAX_PPD) to
- * the eye. hdr: HDR-FLIP, the worst of a range of exposures that the reference sets (Andersson
- * et al. 2021), at most 24 of them; else LDR-FLIP of what a display shows of 0 to 1 (2020). It is a metric of
- * flat pictures: of a panorama compare views. out_errors (may be NULL) takes the error of each pixel, width x
- * height. False and a line in out_error for a size or a density out of range, a pixel that is not finite, or
- * no memory. */
-bool rnd_flip(const float *reference, const float *test, int width, int height, float pixels_per_degree,
-              bool hdr, float *out_errors, struct rnd_flip *out_flip, char out_error[RND_ERROR_SIZE]);
+/* What a metric found. */
+struct rnd_measure {
+    double value;
+    int figures; /* more that it found, for scripts */
+    struct {
+        const char *key; /* "a.b": b of the object a */
+        double value;
+        bool whole; /* a count */
+    } figure[RND_METRIC_FIGURES];
+    char note[RND_METRIC_NOTE_SIZE]; /* more lines for people, each with its end; or empty */
+};
+
+enum rnd_metric_values { RND_ANY_VALUES, RND_RADIANCE, RND_DISPLAY_VALUES };
+
+/* A measure of how different two pictures are. */
+struct rnd_metric {
+    const char *name;              /* and key of its value, for scripts */
+    const char *label, *unit;      /* for people; no unit: "" */
+    const char *summary;           /* what the value is */
+    const char *range;             /* what its ends mean; NULL: it has none */
+    const char *source;            /* author, year */
+    int decimals;                  /* to be shown; 0: six digits */
+    bool higher_is_better;         /* else lower */
+    bool sphere;                   /* of a panorama, by solid angle; else any picture is taken as flat */
+    bool sequence;                 /* of frames; else of one pair of pictures */
+    enum rnd_metric_values values; /* that it is made for */
+    bool needs_density;            /* pixels_per_degree */
+    bool needs_gaze;
+    bool map; /* it has a value for each pixel */
+    /* See rnd_measure(), which has checked the pair. */
+    bool (*compute)(const struct rnd_pair *pair, float *out_map, struct rnd_measure *out_measure,
+                    char out_error[RND_ERROR_SIZE]);
+};
+
+/* The metrics "hdr_flip", "ldr_flip", "relative_mse", "relative_rmse" and "psnr_db". NULL if there is none of
+ * that name; index in 0.. for a list. */
+const struct rnd_metric *rnd_metric_find(const char *name);
+const struct rnd_metric *rnd_metric_at(size_t index);
+
+/* Is the metric made for such a pair, and is all known that it needs? */
+bool rnd_metric_fits(const struct rnd_metric *metric, const struct rnd_pair *pair);
+
+/* Compute a metric. out_map (may be NULL) takes the value of each pixel, height x width, if the metric has a
+ * map. False and a line in out_error if the metric does not fit, for a size out of range, a pixel that is not
+ * finite, weights below 0 or all 0, what the metric itself refuses, or no memory. */
+bool rnd_measure(const struct rnd_metric *metric, const struct rnd_pair *pair, float *out_map,
+                 struct rnd_measure *out_measure, char out_error[RND_ERROR_SIZE]);
+
+/* Weights of a panorama, height x width: 1 from inner to outer rad around gaze, else 0. */
+void rnd_weigh_ring(int width, int height, const float gaze[3], float inner, float outer, float *out_weight);
+
+/* Pixels per degree: of the screen of FLIP's authors, 3840 pixels on 0.7 m seen from 0.7 m; and the most that
+ * FLIP takes, from 1. */
+#define RND_FLIP_PPD 67.020643f
+enum { RND_FLIP_MAX_PPD = 300 };
 
 #endif

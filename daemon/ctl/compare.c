@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <jansson.h>
 
@@ -11,86 +12,90 @@
 struct comparison {
     const struct ctl *ctl;
     float *reference, *test, *errors;
-    int width, height;
-    bool display; /* one of them at least is encoded for a display */
-    bool hdr;
-    struct rnd_flip flip;
-    double relative_mse, relative_rmse, psnr_db; /* NAN: not asked of such pictures */
+    bool encoded; /* one of the files at least is encoded for a display */
+    struct rnd_pair pair;
+    const struct rnd_metric *mapped; /* the first that fits and has a map: errors */
+    struct rnd_measure *measure;     /* of each metric, if it fits */
 };
 
 static bool read_both(struct comparison *c)
 {
     char *const *path = c->ctl->operand, error[RND_ERROR_SIZE];
+    struct rnd_pair *pair = &c->pair;
     bool display[2];
     int width, height;
 
-    c->reference = rnd_image_read(path[0], &c->width, &c->height, &display[0], error);
+    c->reference = rnd_image_read(path[0], &pair->width, &pair->height, &display[0], error);
     if (!c->reference) return ctl_fail("%s", error);
     c->test = rnd_image_read(path[1], &width, &height, &display[1], error);
     if (!c->test) return ctl_fail("%s", error);
-    if (width != c->width || height != c->height)
-        return ctl_fail("%s is %dx%d, but %s is %dx%d", path[0], c->width, c->height, path[1], width, height);
-    c->display = display[0] || display[1];
-    c->hdr = !c->display && !c->ctl->ldr;
+    if (width != pair->width || height != pair->height)
+        return ctl_fail("%s is %dx%d, but %s is %dx%d", path[0], pair->width, pair->height, path[1], width,
+                        height);
+    c->encoded = display[0] || display[1];
+    pair->reference = c->reference;
+    pair->test = c->test;
+    pair->panorama = width == 2 * height;
+    pair->display = c->encoded || c->ctl->ldr;
+    pair->pixels_per_degree = (float)c->ctl->ppd;
     return true;
 }
 
 static bool measure(struct comparison *c)
 {
-    static const float AHEAD[3] = {0, 0, -1};
-    size_t pixels = (size_t)c->width * (size_t)c->height;
+    const struct rnd_metric *metric;
+    size_t count = 0;
     char error[RND_ERROR_SIZE];
 
-    c->errors = malloc(pixels * sizeof(*c->errors));
-    if (!c->errors) return ctl_fail("out of memory");
-    if (!rnd_flip(c->reference, c->test, c->width, c->height, (float)c->ctl->ppd, c->hdr, c->errors, &c->flip,
-                  error))
-        return ctl_fail("%s against %s: %s", c->ctl->operand[1], c->ctl->operand[0], error);
-    c->relative_mse = rnd_relative_mse(c->test, c->reference, 3 * pixels);
-    c->relative_rmse = c->width == 2 * c->height ? rnd_relative_rmse(c->test, c->reference, c->width,
-                                                                     c->height, AHEAD, 2 * (float)M_PI)
-                                                 : NAN;
-    c->psnr_db = c->hdr ? NAN : rnd_psnr(c->test, c->reference, 3 * pixels);
+    while (rnd_metric_at(count)) count++;
+    c->measure = calloc(count, sizeof(*c->measure));
+    c->errors = malloc((size_t)c->pair.width * (size_t)c->pair.height * sizeof(*c->errors));
+    if (!c->measure || !c->errors) return ctl_fail("out of memory");
+    for (size_t i = 0; (metric = rnd_metric_at(i)); i++) {
+        if (!rnd_metric_fits(metric, &c->pair)) continue;
+        bool first_map = metric->map && !c->mapped;
+        if (first_map) c->mapped = metric;
+        if (!rnd_measure(metric, &c->pair, first_map ? c->errors : NULL, &c->measure[i], error))
+            return ctl_fail("%s against %s: %s", c->ctl->operand[1], c->ctl->operand[0], error);
+    }
     return true;
 }
 
 static bool write_map(const struct comparison *c)
 {
-    size_t pixels = (size_t)c->width * (size_t)c->height;
+    size_t pixels = (size_t)c->pair.width * (size_t)c->pair.height;
     float *rgb = malloc(pixels * 3 * sizeof(*rgb));
     char error[RND_ERROR_SIZE];
     bool good;
 
     if (!rgb) return ctl_fail("out of memory");
     for (size_t i = 0; i < pixels; i++) ctl_colour(CTL_MAGMA, c->errors[i], &rgb[3 * i]);
-    good =
-        dmn_image_write(c->ctl->map, 0666, c->width, c->height, rgb, false, error) || ctl_fail("%s", error);
+    good = dmn_image_write(c->ctl->map, 0666, c->pair.width, c->pair.height, rgb, false, error) ||
+           ctl_fail("%s", error);
     free(rgb);
     return good;
 }
 
 static void print_table(const struct comparison *c)
 {
-    const struct rnd_flip *flip = &c->flip;
+    const struct rnd_metric *metric;
 
-    dmn_print(stdout, "%s against %s: %dx%d, %s\n", c->ctl->operand[1], c->ctl->operand[0], c->width, c->height,
-           c->hdr       ? "both hold light"
-           : c->display ? "values for a display"
-                        : "light from 0 to 1, as a display shows it");
-    printf("%s-FLIP   %.6f  mean, at %.4g pixels a degree; 0 is no difference, 1 the largest\n",
-           c->hdr ? "HDR" : "LDR", flip->mean, c->ctl->ppd);
-    if (c->hdr)
-        printf("           the worst of %d exposures from %+.2f to %+.2f stops\n", flip->exposures,
-               flip->start, flip->stop);
-    printf("quartiles  %.6f  %.6f  %.6f, each pixel counting by its error, from bins of 0.01\n",
-           flip->quartile[0], flip->quartile[1], flip->quartile[2]);
-    printf("largest    %.6f\n", flip->largest);
-    printf("rel. MSE   %.6g  mean of (test - reference)^2 / (reference^2 + %g), linear\n", c->relative_mse,
-           RND_RELATIVE_MSE_EPSILON);
-    if (!isnan(c->relative_rmse))
-        printf("rel. RMSE  %.6g  of luminance, to the reference's mean, over the sphere (2:1: a panorama)\n",
-               c->relative_rmse);
-    if (!isnan(c->psnr_db)) printf("PSNR       %.4f dB  of sRGB values\n", c->psnr_db);
+    dmn_print(stdout, "%s against %s: %dx%d, %s\n", c->ctl->operand[1], c->ctl->operand[0], c->pair.width,
+              c->pair.height,
+              !c->pair.display ? "both hold light"
+              : c->encoded     ? "values for a display"
+                               : "light from 0 to 1, as a display shows it");
+    for (size_t i = 0; (metric = rnd_metric_at(i)); i++) {
+        if (!rnd_metric_fits(metric, &c->pair)) continue;
+        if (metric->decimals)
+            printf("%-10s %.*f", metric->label, metric->decimals, c->measure[i].value);
+        else
+            printf("%-10s %.6g", metric->label, c->measure[i].value);
+        printf("%s%s  %s", metric->unit[0] ? " " : "", metric->unit, metric->summary);
+        if (metric->needs_density) printf(", at %.4g pixels a degree", c->ctl->ppd);
+        if (metric->range) printf("; %s", metric->range);
+        printf("\n%s", c->measure[i].note);
+    }
     if (c->ctl->map) dmn_print(stdout, "map        %s\n", c->ctl->map);
 }
 
@@ -100,20 +105,36 @@ static json_t *number(double value)
     return isfinite(value) ? json_real(value) : json_null();
 }
 
+/* Put a figure of a key "a.b" into the object a of an object, else into the object itself. */
+static void put_figure(json_t *object, const char *key, json_t *value)
+{
+    const char *dot = strchr(key, '.');
+    char name[64];
+
+    if (!dot) {
+        json_object_set_new(object, key, value);
+        return;
+    }
+    snprintf(name, sizeof(name), "%.*s", (int)(dot - key), key);
+    if (!json_object_get(object, name)) json_object_set_new(object, name, json_object());
+    json_object_set_new(json_object_get(object, name), dot + 1, value);
+}
+
 static void print_json(const struct comparison *c)
 {
-    const struct rnd_flip *flip = &c->flip;
-    json_t *object = json_pack(
-        "{s:[i,i], s:s, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:o, s:o}", "size", c->width, c->height,
-        "metric", c->hdr ? "HDR-FLIP" : "LDR-FLIP", "pixels_per_degree", c->ctl->ppd, "mean", flip->mean,
-        "median", flip->quartile[1], "first_quartile", flip->quartile[0], "third_quartile", flip->quartile[2],
-        "largest", flip->largest, "relative_mse", c->relative_mse, "relative_mse_epsilon",
-        RND_RELATIVE_MSE_EPSILON, "relative_rmse", number(c->relative_rmse), "psnr_db", number(c->psnr_db));
+    json_t *object = json_pack("{s:[i,i], s:s?, s:f}", "size", c->pair.width, c->pair.height, "metric",
+                               c->mapped ? c->mapped->label : NULL, "pixels_per_degree", c->ctl->ppd);
+    const struct rnd_metric *metric;
 
-    if (c->hdr)
-        json_object_set_new(object, "exposures",
-                            json_pack("{s:i, s:f, s:f}", "count", flip->exposures, "first_stops", flip->start,
-                                      "last_stops", flip->stop));
+    for (size_t i = 0; (metric = rnd_metric_at(i)); i++) {
+        const struct rnd_measure *measure = &c->measure[i];
+        json_object_set_new(object, metric->name,
+                            rnd_metric_fits(metric, &c->pair) ? number(measure->value) : json_null());
+        for (int k = 0; k < measure->figures; k++)
+            put_figure(object, measure->figure[k].key,
+                       measure->figure[k].whole ? json_integer((json_int_t)measure->figure[k].value)
+                                                : number(measure->figure[k].value));
+    }
     if (object) json_dumpf(object, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
     if (object) putchar('\n');
     json_decref(object);
@@ -128,5 +149,6 @@ int ctl_compare(const struct ctl *ctl)
     free(comparison.reference);
     free(comparison.test);
     free(comparison.errors);
+    free(comparison.measure);
     return good ? 0 : 1;
 }

@@ -1,13 +1,13 @@
 /* FLIP: how different two pictures look to somebody who flips between them on one screen. LDR-FLIP by
  * Andersson et al. 2020, HDR-FLIP by Andersson et al. 2021, from the formulas; constants as of the authors'
- * program 1.6.
+ * program 1.6. It is a metric of flat pictures: of a panorama, compare views.
  *
  * A picture is read row by row. Every row becomes seven bands, filtered along it; a ring of such rows is then
  * filtered across, so that memory grows with the width alone. Both pictures go on together, and each finished
  * row is compared at once.
  */
 #include "metric/flip.h"
-#include "renderer.h"
+#include "metric/metric.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -264,44 +264,51 @@ static void compare_at(struct flip *flip, double stops, float *errors)
 }
 
 /* Percentiles where each pixel counts by its error, from bins (the authors' program). */
-static double percentile(const uint64_t bin[BINS], double share)
+static double percentile(const double bin[BINS], double share)
 {
     double total = 0.0, before = 0.0;
-    for (int i = 0; i < BINS; i++) total += (double)bin[i] * (i + 0.5);
+    for (int i = 0; i < BINS; i++) total += bin[i] * (i + 0.5);
     for (int i = 0; i < BINS; i++) {
-        const double weight = (double)bin[i] * (i + 0.5);
+        const double weight = bin[i] * (i + 0.5);
         if (before + weight > share * total) return (i + (share * total - before) / weight) / BINS;
         before += weight;
     }
     return 1.0;
 }
 
-static void sum_up(const float *errors, size_t count, struct rnd_flip *out)
+/* What the errors of all pixels come to; exposures are NULL for LDR-FLIP. */
+static void sum_up(const struct rnd_pair *pair, const float *errors,
+                   const struct rnd_flip_exposures *exposures, struct rnd_measure *out)
 {
-    uint64_t bin[BINS] = {0};
-    double sum = 0.0, largest = 0.0;
-    for (size_t i = 0; i < count; i++) {
+    double bin[BINS] = {0}, quartile[3], sum = 0.0, weights = 0.0, largest = 0.0;
+    for (size_t i = 0; i < (size_t)pair->width * (size_t)pair->height; i++) {
         const int b = (int)(errors[i] * BINS);
-        bin[b < BINS ? b : BINS - 1]++;
-        sum += errors[i];
-        largest = fmax(largest, errors[i]);
+        const double weight = rnd_pair_weight(pair, i);
+        bin[b < BINS ? b : BINS - 1] += weight;
+        sum += weight * errors[i];
+        weights += weight;
+        if (weight > 0.0) largest = fmax(largest, errors[i]);
     }
-    out->mean = sum / (double)count;
-    out->largest = largest;
-    for (int i = 0; i < 3; i++) out->quartile[i] = percentile(bin, 0.25 * (i + 1));
-}
-
-static bool is_finite(const float *rgb, int width, int height, const char *name,
-                      char out_error[RND_ERROR_SIZE])
-{
-    const size_t count = 3 * (size_t)width * (size_t)height;
-    for (size_t i = 0; i < count; i++)
-        if (!isfinite(rgb[i])) {
-            snprintf(out_error, RND_ERROR_SIZE, "a pixel of the %s is not finite, at %zu,%zu", name,
-                     i / 3 % (size_t)width, i / 3 / (size_t)width);
-            return false;
-        }
-    return true;
+    out->value = sum / weights;
+    for (int i = 0; i < 3; i++) quartile[i] = percentile(bin, 0.25 * (i + 1));
+    rnd_measure_add(out, "mean", out->value, false);
+    rnd_measure_add(out, "median", quartile[1], false);
+    rnd_measure_add(out, "first_quartile", quartile[0], false);
+    rnd_measure_add(out, "third_quartile", quartile[2], false);
+    rnd_measure_add(out, "largest", largest, false);
+    int length = 0;
+    if (exposures) {
+        rnd_measure_add(out, "exposures.count", exposures->count, true);
+        rnd_measure_add(out, "exposures.first_stops", exposures->start, false);
+        rnd_measure_add(out, "exposures.last_stops", exposures->stop, false);
+        length = snprintf(out->note, sizeof out->note,
+                          "           the worst of %d exposures from %+.2f to %+.2f stops\n",
+                          exposures->count, exposures->start, exposures->stop);
+    }
+    snprintf(out->note + length, sizeof out->note - (size_t)length,
+             "quartiles  %.6f  %.6f  %.6f, each pixel counting by its error, from bins of 0.01\n"
+             "largest    %.6f\n",
+             quartile[0], quartile[1], quartile[2], largest);
 }
 
 static bool init(struct flip *flip, float ppd, char out_error[RND_ERROR_SIZE])
@@ -324,41 +331,79 @@ static bool init(struct flip *flip, float ppd, char out_error[RND_ERROR_SIZE])
     return good;
 }
 
-bool rnd_flip(const float *reference, const float *test, int width, int height, float pixels_per_degree,
-              bool hdr, float *out_errors, struct rnd_flip *out_flip, char out_error[RND_ERROR_SIZE])
+static bool compute(const struct rnd_pair *pair, const struct rnd_flip_exposures *exposures, float *out_map,
+                    struct rnd_measure *out_measure, char out_error[RND_ERROR_SIZE])
 {
-    if (width < 1 || height < 1 || width > RND_FLIP_MAX_SIDE || height > RND_FLIP_MAX_SIDE) {
-        snprintf(out_error, RND_ERROR_SIZE, "a picture of %dx%d is not compared: sides go from 1 to %d",
-                 width, height, RND_FLIP_MAX_SIDE);
+    if (!(pair->pixels_per_degree >= 1.0f && pair->pixels_per_degree <= RND_FLIP_MAX_PPD)) {
+        snprintf(out_error, RND_ERROR_SIZE, "%g pixels a degree are not between 1 and %d",
+                 pair->pixels_per_degree, RND_FLIP_MAX_PPD);
         return false;
     }
-    if (!(pixels_per_degree >= 1.0f && pixels_per_degree <= RND_FLIP_MAX_PPD)) {
-        snprintf(out_error, RND_ERROR_SIZE, "%g pixels a degree are not between 1 and %d", pixels_per_degree,
-                 RND_FLIP_MAX_PPD);
-        return false;
-    }
-    if (!is_finite(reference, width, height, "reference", out_error)) return false;
-    if (!is_finite(test, width, height, "test", out_error)) return false;
-
-    const size_t count = (size_t)width * (size_t)height;
-    struct flip flip = {.width = width, .height = height, .picture = {{.rgb = reference}, {.rgb = test}}};
-    float *errors = out_errors ? out_errors : malloc(sizeof *errors * count);
-    bool good = init(&flip, pixels_per_degree, out_error);
+    const size_t count = (size_t)pair->width * (size_t)pair->height;
+    struct flip flip = {.width = pair->width,
+                        .height = pair->height,
+                        .picture = {{.rgb = pair->reference}, {.rgb = pair->test}}};
+    float *errors = out_map ? out_map : malloc(sizeof *errors * count);
+    bool good = init(&flip, pair->pixels_per_degree, out_error);
     if (good && !errors) {
         snprintf(out_error, RND_ERROR_SIZE, "not enough memory");
         good = false;
     }
     if (good) {
-        *out_flip = (struct rnd_flip){0};
         memset(errors, 0, sizeof *errors * count);
-        if (hdr) rnd_flip_exposures(reference, count, out_flip);
-        if (!hdr) compare_at(&flip, NAN, errors);
-        const double step = (out_flip->stop - out_flip->start) / (out_flip->exposures - 1);
-        for (int i = 0; i < out_flip->exposures; i++) compare_at(&flip, out_flip->start + i * step, errors);
-        sum_up(errors, count, out_flip);
+        if (!exposures) compare_at(&flip, NAN, errors);
+        for (int i = 0; exposures && i < exposures->count; i++) {
+            const double step = (exposures->stop - exposures->start) / (exposures->count - 1);
+            compare_at(&flip, exposures->start + i * step, errors);
+        }
+        sum_up(pair, errors, exposures, out_measure);
     }
     for (int i = 0; i < 2; i++) free(flip.picture[i].ring), free(flip.picture[i].result);
     free(flip.row);
-    if (errors != out_errors) free(errors);
+    if (errors != out_map) free(errors);
     return good;
 }
+
+static bool compute_hdr(const struct rnd_pair *pair, float *out_map, struct rnd_measure *out_measure,
+                        char out_error[RND_ERROR_SIZE])
+{
+    const struct rnd_flip_exposures exposures =
+        rnd_flip_exposures(pair->reference, (size_t)pair->width * (size_t)pair->height);
+    return compute(pair, &exposures, out_map, out_measure, out_error);
+}
+
+static bool compute_ldr(const struct rnd_pair *pair, float *out_map, struct rnd_measure *out_measure,
+                        char out_error[RND_ERROR_SIZE])
+{
+    return compute(pair, NULL, out_map, out_measure, out_error);
+}
+
+/* The worst of a range of exposures, which the whole reference sets whatever its pixels weigh. */
+const struct rnd_metric rnd_metric_hdr_flip = {
+    .name = "hdr_flip",
+    .label = "HDR-FLIP",
+    .unit = "",
+    .summary = "mean",
+    .range = "0 is no difference, 1 the largest",
+    .source = "Andersson et al. 2021",
+    .decimals = 6,
+    .values = RND_RADIANCE,
+    .needs_density = true,
+    .map = true,
+    .compute = compute_hdr,
+};
+
+/* Of what a display shows of 0 to 1. */
+const struct rnd_metric rnd_metric_ldr_flip = {
+    .name = "ldr_flip",
+    .label = "LDR-FLIP",
+    .unit = "",
+    .summary = "mean",
+    .range = "0 is no difference, 1 the largest",
+    .source = "Andersson et al. 2020",
+    .decimals = 6,
+    .values = RND_DISPLAY_VALUES,
+    .needs_density = true,
+    .map = true,
+    .compute = compute_ldr,
+};

@@ -2,7 +2,7 @@
 #ifndef FOVEAD_RENDERER_FLIP_H
 #define FOVEAD_RENDERER_FLIP_H
 
-#include "renderer.h"
+#include <stddef.h>
 
 /* One channel as a display shows it, 0 to 1 (the ACES curve by Narkowicz). The curve rises again below 0, and
  * so does the authors' program; such light comes from resampled pictures, not from a render. */
@@ -14,7 +14,12 @@ static inline float rnd_flip_tone(double light)
     return shown < 0.0f ? 0.0f : shown < 1.0f ? shown : 1.0f;
 }
 
-/* Set start, stop and exposures by the reference, count x RGB. */
-void rnd_flip_exposures(const float *reference, size_t count, struct rnd_flip *out_flip);
+struct rnd_flip_exposures {
+    double start, stop; /* the first and the last, stops */
+    int count;          /* 2 to 24, evenly from start to stop */
+};
+
+/* The exposures for a reference of count x RGB. */
+struct rnd_flip_exposures rnd_flip_exposures(const float *reference, size_t count);
 
 #endif

@@ -6,6 +6,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdint.h>
 #include <string.h>
 
 /* Half of a panorama may be black, and no exposure shows that: stops go no further. A sun's disc is some 20
@@ -44,7 +45,7 @@ static float luminance_at_rank(const float *rgb, size_t count, uint64_t rank)
     return value;
 }
 
-void rnd_flip_exposures(const float *reference, size_t count, struct rnd_flip *out_flip)
+struct rnd_flip_exposures rnd_flip_exposures(const float *reference, size_t count)
 {
     /* Where the curve of rnd_flip_tone() reaches 0.85: the larger root. */
     const double a = 0.9036 - 0.85 * 0.8748, b = 0.018 - 0.85 * 0.354, c = -0.85 * 0.14;
@@ -53,7 +54,8 @@ void rnd_flip_exposures(const float *reference, size_t count, struct rnd_flip *o
     for (size_t i = 0; i < count; i++) most = fmaxf(most, luminance_at(reference + 3 * i));
     float median = luminance_at_rank(reference, count, count / 2);
     if (most <= 0.0f) most = median = 1.0f; /* all is black: any exposure shows that */
-    out_flip->start = log2(white / most);
-    out_flip->stop = fmin(out_flip->start + MOST_STOPS, log2(white / median));
-    out_flip->exposures = (int)fmax(2.0, ceil(out_flip->stop - out_flip->start));
+    struct rnd_flip_exposures out = {.start = log2(white / most)};
+    out.stop = fmin(out.start + MOST_STOPS, log2(white / median));
+    out.count = (int)fmax(2.0, ceil(out.stop - out.start));
+    return out;
 }

@@ -1,22 +1,36 @@
-/* Relative RMSE: the unbiased curve of convergence, over the gaze disc or the sphere. */
-#include "renderer.h"
+/* Relative RMSE: the unbiased curve of convergence. The root mean square error of the luminance, relative to
+ * the reference's mean luminance; pixels count by their solid angle. */
+#include "metric/metric.h"
 #include "sphere.h"
 
-double rnd_relative_rmse(const float *test, const float *reference, int width, int height,
-                         const float gaze[3], float radius)
+static bool compute(const struct rnd_pair *pair, float *out_map, struct rnd_measure *out_measure,
+                    char out_error[RND_ERROR_SIZE])
 {
+    (void)out_map;
+    (void)out_error;
     double square = 0.0, light = 0.0, weights = 0.0;
-    for (int y = 0; y < height; y++)
-        for (int x = 0; x < width; x++) {
-            const float v = ((float)y + 0.5f) / (float)height;
-            const vec3s d = rnd_from_uv(((float)x + 0.5f) / (float)width, v);
-            if (radius < (float)M_PI && rnd_angle(d, rnd_vec(gaze)) > radius) continue;
-            const size_t i = 3 * ((size_t)y * width + x);
-            const double weight = sin(M_PI * v), r = rnd_luminance(reference + i);
-            const double difference = rnd_luminance(test + i) - r;
+    for (int y = 0; y < pair->height; y++)
+        for (int x = 0; x < pair->width; x++) {
+            const size_t i = (size_t)y * (size_t)pair->width + (size_t)x;
+            const float v = ((float)y + 0.5f) / (float)pair->height;
+            const double weight = sin(M_PI * v) * rnd_pair_weight(pair, i);
+            const double r = rnd_luminance(pair->reference + 3 * i);
+            const double difference = rnd_luminance(pair->test + 3 * i) - r;
             square += weight * difference * difference;
             light += weight * r;
             weights += weight;
         }
-    return light > 0.0 ? sqrt(square / weights) / (light / weights) : INFINITY;
+    out_measure->value = light > 0.0 ? sqrt(square / weights) / (light / weights) : INFINITY;
+    return true;
 }
+
+/* INFINITY if the reference is black. */
+const struct rnd_metric rnd_metric_relative_rmse = {
+    .name = "relative_rmse",
+    .label = "rel. RMSE",
+    .unit = "",
+    .summary = "of luminance, to the reference's mean, over the sphere (2:1: a panorama)",
+    .source = "Koskela et al. 2018",
+    .sphere = true,
+    .compute = compute,
+};

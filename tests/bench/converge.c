@@ -25,6 +25,7 @@ struct setup {
     float gaze_deg[2]; /* azimuth, elevation */
     int width, bounces, repeats, reference_spp;
     double target, limit_seconds;
+    float *disc; /* weights of the film's pixels: 1 in the gaze disc, else 0 */
     bool json;
     const char *plot;
 };
@@ -92,15 +93,6 @@ static struct rnd_aim aim_at(const struct setup *setup, float fov)
     return aim;
 }
 
-static bool in_disc(const struct setup *setup, const struct rnd_aim *aim, int x, int y)
-{
-    float d[3], dot = 0.0f;
-    rnd_direction(((float)x + 0.5f) / (float)setup->width * 2.0f * (float)M_PI - (float)M_PI,
-                  (float)M_PI / 2.0f - ((float)y + 0.5f) / (float)(setup->width / 2) * (float)M_PI, d);
-    for (int c = 0; c < 3; c++) dot += d[c] * aim->gaze[c];
-    return dot >= cosf(RAD(DISC_DEG));
-}
-
 static struct rnd_render *create(const struct rnd_scene *scene, const struct setup *setup,
                                  const struct rnd_distribution *distribution, uint64_t seed)
 {
@@ -137,14 +129,12 @@ static float *make_reference(const struct rnd_scene *scene, const struct setup *
     rnd_render_resolve(render, film, NULL, error);
     double square = 0.0, light = 0.0;
     int n = 0;
-    for (int y = 0; y < setup->width / 2; y++)
-        for (int x = 0; x < setup->width; x++) {
-            if (!in_disc(setup, &aim, x, y)) continue;
-            const size_t i = (size_t)y * setup->width + x;
-            square += (double)error[i] * error[i];
-            light += 0.2126 * film[3 * i] + 0.7152 * film[3 * i + 1] + 0.0722 * film[3 * i + 2];
-            n++;
-        }
+    for (size_t i = 0; i < pixels; i++) {
+        if (setup->disc[i] == 0.0f) continue;
+        square += (double)error[i] * error[i];
+        light += 0.2126 * film[3 * i] + 0.7152 * film[3 * i + 1] + 0.0722 * film[3 * i + 2];
+        n++;
+    }
     *out_error = sqrt(square / n) / (light / n);
     rnd_render_destroy(render);
     free(error);
@@ -163,23 +153,31 @@ static double crossing(const struct way *way, double target)
     return INFINITY;
 }
 
-static void measure(struct way *way, const struct setup *setup, const struct rnd_aim *aim,
-                    const float *reference, float *film)
+static void measure(struct way *way, const struct setup *setup, const float *reference, float *film)
 {
+    const struct rnd_pair pair = {.reference = reference,
+                                  .test = film,
+                                  .width = setup->width,
+                                  .height = setup->width / 2,
+                                  .panorama = true,
+                                  .weight = setup->disc};
+    struct rnd_measure measure;
+    char error[RND_ERROR_SIZE];
     rnd_render_resolve(way->render, film, NULL, NULL);
+    if (!rnd_measure(rnd_metric_find("relative_rmse"), &pair, NULL, &measure, error)) {
+        fprintf(stderr, "fovea-bench: %s\n", error);
+        exit(1);
+    }
     way->time[way->points] = way->seconds;
-    way->error[way->points++] =
-        rnd_relative_rmse(film, reference, setup->width, setup->width / 2, aim->gaze, RAD(DISC_DEG));
+    way->error[way->points++] = measure.value;
 }
 
-static double share_in_disc(struct way *way, const struct setup *setup, const struct rnd_aim *aim,
-                            float *samples)
+static double share_in_disc(struct way *way, const struct setup *setup, float *samples)
 {
     double inside = 0.0;
     rnd_render_resolve(way->render, NULL, samples, NULL);
-    for (int y = 0; y < setup->width / 2; y++)
-        for (int x = 0; x < setup->width; x++)
-            if (in_disc(setup, aim, x, y)) inside += samples[(size_t)y * setup->width + x];
+    for (size_t i = 0; i < (size_t)setup->width * (size_t)setup->width / 2; i++)
+        inside += (double)setup->disc[i] * samples[i];
     return inside / (double)way->paths;
 }
 
@@ -210,7 +208,7 @@ static bool race(const struct rnd_scene *scene, const struct setup *setup, struc
                 way->paths += batch.paths;
                 way->rays += (double)batch.rays;
             }
-            measure(way, setup, &aim, reference, film);
+            measure(way, setup, reference, film);
             running++;
         }
         fprintf(stderr, "\rseed %d of %d, %d distributions under way, %.1f s each   ", repeat + 1,
@@ -219,7 +217,7 @@ static bool race(const struct rnd_scene *scene, const struct setup *setup, struc
     for (int i = 0; i < count; i++) {
         ways[i].reached[repeat] = crossing(&ways[i], setup->target);
         ways[i].paths_per_second[repeat] = (double)ways[i].paths / ways[i].seconds;
-        ways[i].disc_share = share_in_disc(&ways[i], setup, &aim, film);
+        ways[i].disc_share = share_in_disc(&ways[i], setup, film);
         rnd_render_destroy(ways[i].render);
     }
     return true;
@@ -273,13 +271,12 @@ static bool plot(const struct setup *setup, const struct way *ways, int count)
     struct dmn_chart chart;
     if (!dmn_chart_begin(&chart, error)) return bench_fail(error);
     FILE *gnuplot = chart.commands;
-    fprintf(
-        gnuplot,
-        "set terminal svg size 800,560 font 'sans,14' background 'white'\nset logscale xy\n"
-        "set xlabel 'rendering time, s'\nset ylabel 'relative RMSE of the gaze disc (5.79 degrees)'\nset "
-        "grid\n"
-        "set key top right\nplot %g with lines dashtype 2 linecolor 'grey' title 'target'",
-        setup->target);
+    fprintf(gnuplot,
+            "set terminal svg size 800,560 font 'sans,14' background 'white'\nset logscale xy\n"
+            "set xlabel 'rendering time, s'\nset ylabel 'relative RMSE of the gaze disc (5.79 degrees)'\nset "
+            "grid\n"
+            "set key top right\nplot %g with lines dashtype 2 linecolor 'grey' title 'target'",
+            setup->target);
     for (int i = 0; i < count; i++)
         fprintf(gnuplot, ", '-' with lines linewidth 2 title '%s: %s'", ways[i].distribution->name,
                 ways[i].distribution->summary);
@@ -307,7 +304,11 @@ int bench_converge(int count, char **arguments)
     for (const struct rnd_distribution *d; n < MAX_WAYS && (d = rnd_distribution_at((size_t)n)); n++)
         ways[n].distribution = d;
     double reference_error;
-    float *film = malloc((size_t)setup.width * setup.width / 2 * 3 * sizeof *film);
+    const size_t pixels = (size_t)setup.width * (size_t)setup.width / 2;
+    float *film = malloc(pixels * 3 * sizeof *film);
+    setup.disc = malloc(pixels * sizeof *setup.disc);
+    if (!setup.disc) exit(1);
+    rnd_weigh_ring(setup.width, setup.width / 2, aim_at(&setup, 1.0f).gaze, 0.0f, RAD(DISC_DEG), setup.disc);
     float *reference = make_reference(scene, &setup, &reference_error);
     bool ok = film && reference;
     for (int r = 0; ok && r < setup.repeats; r++) ok = race(scene, &setup, ways, n, r, reference, film);
@@ -316,6 +317,7 @@ int bench_converge(int count, char **arguments)
     if (ok && setup.plot) ok = plot(&setup, ways, n);
     free(film);
     free(reference);
+    free(setup.disc);
     rnd_scene_destroy(scene);
     return ok ? 0 : 1;
 }

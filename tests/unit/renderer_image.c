@@ -250,46 +250,12 @@ static void spot_at_the_pole(void **state)
     free(panorama);
 }
 
-/* --- relative RMSE --- */
-
-static void relative_rmse(void **state)
-{
-    (void)state;
-    enum { WIDTH = 256, HEIGHT = 128, COUNT = WIDTH * HEIGHT };
-    static float reference[3 * COUNT], test[3 * COUNT];
-    const float ahead[3] = {0, 0, -1}, up[3] = {0, 1, 0}, seam[3] = {0, 0, 1};
-    for (int i = 0; i < 3 * COUNT; i++) reference[i] = 2.0f;
-    memcpy(test, reference, sizeof test);
-    assert_true(rnd_relative_rmse(test, reference, WIDTH, HEIGHT, ahead, 4) == 0.0);
-    for (int i = 0; i < 3 * COUNT; i++) test[i] = 3.0f;
-    assert_float_equal(rnd_relative_rmse(test, reference, WIDTH, HEIGHT, ahead, 4), 0.5, 1e-6);
-    assert_float_equal(rnd_relative_rmse(test, reference, WIDTH, HEIGHT, up, 0.1f), 0.5, 1e-6);
-
-    /* wrong by its own size within an angle of the pole: a share (1 - cos) / 2 of the sphere */
-    memcpy(test, reference, sizeof test);
-    for (int i = 0; i < 3 * COUNT; i++)
-        if (i / 3 / WIDTH < 21) test[i] = 0.0f;
-    const double cosine = cos(21.0 / HEIGHT * M_PI), share = (1 - cosine) / 2;
-    assert_float_equal(rnd_relative_rmse(test, reference, WIDTH, HEIGHT, ahead, 4), sqrt(share), 0.003);
-    assert_float_equal(rnd_relative_rmse(test, reference, WIDTH, HEIGHT, up, (float)(25 * deg)), 1, 1e-6);
-    assert_true(rnd_relative_rmse(test, reference, WIDTH, HEIGHT, ahead, (float)(50 * deg)) == 0.0);
-    assert_float_equal(rnd_relative_rmse(test, reference, WIDTH, HEIGHT, up, (float)(60 * deg)),
-                       sqrt((1 - cosine) / (1 - cos(60 * deg))), 0.01);
-
-    /* luminance alone counts, and the seam is no edge */
-    memcpy(test, reference, sizeof test);
-    for (int i = 0; i < COUNT; i++) test[3 * i + 1] += 0.2f;
-    assert_float_equal(rnd_relative_rmse(test, reference, WIDTH, HEIGHT, seam, 0.5f), 0.7152 * 0.1, 1e-5);
-    memset(reference, 0, sizeof reference);
-    assert_true(isinf(rnd_relative_rmse(test, reference, WIDTH, HEIGHT, ahead, 4)));
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(round_trip),    cmocka_unit_test(colour_spaces), cmocka_unit_test(refused),
         cmocka_unit_test(directions),    cmocka_unit_test(calm_poles),    cmocka_unit_test(spot_at_the_pole),
-        cmocka_unit_test(half_or_float), cmocka_unit_test(relative_rmse),
+        cmocka_unit_test(half_or_float),
     };
     return cmocka_run_group_tests_name("renderer_image", tests, files_setup, files_teardown);
 }
