@@ -1,19 +1,7 @@
-/* Scenes whose radiance is known in closed form: furnaces, suns, a rectangle of light, glass and mirrors. */
+/* Scenes whose radiance is known in closed form: furnaces, suns, a rectangle of light, environments. */
 #include "renderer_parts.h"
 
 static const double deg = M_PI / 180.0;
-
-static const char *box_scene(const char *name, const char *material, const double low[3],
-                             const double high[3])
-{
-    char text[2000], file[64];
-    snprintf(file, sizeof file, "%s.mtl", name);
-    files_text(file, material);
-    snprintf(text, sizeof text, "mtllib %s\n", file);
-    files_box(text, sizeof text, "m", low, high);
-    snprintf(file, sizeof file, "%s.obj", name);
-    return files_text(file, text);
-}
 
 /* Albedo 0.5 and emission 1 all around: 1 + 1/2 + 1/4 + ... = 2, and the sum of its first terms if bounces
  * are limited. */
@@ -21,8 +9,8 @@ static void closed_furnace(void **state)
 {
     (void)state;
     static const char *const modes[] = {"od", "vp", "fv", "fv-exact"};
-    const char *path = box_scene("furnace", "newmtl m\nKd 0.5 0.5 0.5\nKe 1 1 1\n", (double[]){-1, -1, -1},
-                                 (double[]){1, 1, 1});
+    const char *path = files_box_scene("furnace", "newmtl m\nKd 0.5 0.5 0.5\nKe 1 1 1\n",
+                                       (double[]){-1, -1, -1}, (double[]){1, 1, 1});
     struct rnd_scene *scene = files_load(path, NULL, NULL, NULL);
     const struct rnd_aim aim = files_aim(0.3, 0.2, -1);
     char what[64];
@@ -44,8 +32,8 @@ static void convex_in_white(void **state)
 {
     (void)state;
     const char *env = files_env("white.hdr", 1.0f);
-    const char *path =
-        box_scene("convex", "newmtl m\nKd 0.5 0.25 0.75\n", (double[]){-1, -1, -1}, (double[]){1, 1, 1});
+    const char *path = files_box_scene("convex", "newmtl m\nKd 0.5 0.25 0.75\n", (double[]){-1, -1, -1},
+                                       (double[]){1, 1, 1});
     struct rnd_scene *scene = files_load(path, env, NULL, (float[]){4, 3, 5});
     const struct rnd_aim aim = files_aim(-4, -3, -5);
     float rgb[3];
@@ -87,8 +75,8 @@ static void sun_on_plane(void **state)
     static const float suns[][4] = {{30, 45, 3, 0},     {-120, 20, 3, 0.53f}, {30, 80, 3, 0.53f},
                                     {30, 45, 3, 0.01f}, {30, 45, 3, 0.1f},    {200, 45, 2, 20},
                                     {90, 30, 2, 59}};
-    const char *path =
-        box_scene("plane", "newmtl m\nKd 0.8 0.8 0.8\n", (double[]){-100, -1, -100}, (double[]){100, 0, 100});
+    const char *path = files_box_scene("plane", "newmtl m\nKd 0.8 0.8 0.8\n", (double[]){-100, -1, -100},
+                                       (double[]){100, 0, 100});
     const struct rnd_aim aim = files_aim(0, -1, 0);
     for (size_t i = 0; i < sizeof suns / sizeof *suns; i++) {
         struct rnd_scene *scene = files_load(path, NULL, suns[i], (float[]){0, 1, 0});
@@ -107,7 +95,7 @@ static void sun_seen(void **state)
     (void)state;
     const double r = 10.0 * deg, expected = 3.0 / (M_PI * sin(r) * sin(r));
     const char *path =
-        box_scene("speck", "newmtl m\nKd 0 0 0\n", (double[]){0, -50, 0}, (double[]){1, -49, 1});
+        files_box_scene("speck", "newmtl m\nKd 0 0 0\n", (double[]){0, -50, 0}, (double[]){1, -49, 1});
     struct rnd_scene *scene = files_load(path, NULL, (float[]){90, 30, 3, 20}, (float[]){0, 0, 0});
     const struct rnd_aim at = files_aim(cos(30 * deg), sin(30 * deg), 0), below = files_aim(1, 0, 0);
     assert_within("the sun's disc", files_radiance(scene, "fv", 0, 20000, &at, 8, NULL), expected, 1e-4);
@@ -263,147 +251,12 @@ static void punctual(void **state)
     }
 }
 
-/* Lossless glass in a world of constant radiance cannot be seen: what is not reflected is refracted. */
-static void invisible_glass(void **state)
-{
-    (void)state;
-    static const char glass[] = "newmtl m\nKd 1 1 1\nNi 1.5\nillum 7\n";
-    const char *env = files_env("grey.exr", 0.75f);
-    const char *path = box_scene("slab", glass, (double[]){-3, -3, -4.1}, (double[]){3, 3, -4});
-    struct rnd_scene *scene = files_load(path, env, NULL, (float[]){0, 0, 0});
-    const struct rnd_aim ahead = files_aim(0, 0, -1), askew = files_aim(0.6, 0, -1);
-    assert_within("glass slab", files_radiance(scene, "fv", 0, 200000, &ahead, 10, NULL), 0.75, 0.003);
-    assert_within("glass slab, askew", files_radiance(scene, "fv", 0, 200000, &askew, 5, NULL), 0.75, 0.003);
-    rnd_scene_destroy(scene);
-
-    /* a sphere of flat facets, whose corners trap some light for long */
-    enum { AROUND = 64, DOWN = 32 };
-    static char text[400000];
-    size_t n = (size_t)sprintf(text, "mtllib slab.mtl\nusemtl m\n");
-    for (int i = 0; i <= DOWN; i++)
-        for (int k = 0; k < AROUND; k++)
-            n += (size_t)sprintf(text + n, "v %.9g %.9g %.9g\n",
-                                 sin(M_PI * i / DOWN) * sin(2 * M_PI * k / AROUND), cos(M_PI * i / DOWN),
-                                 -3 + sin(M_PI * i / DOWN) * cos(2 * M_PI * k / AROUND));
-    for (int i = 0; i < DOWN; i++)
-        for (int k = 0; k < AROUND; k++) {
-            const int a = i * AROUND + k + 1, b = i * AROUND + (k + 1) % AROUND + 1;
-            if (i > 0) n += (size_t)sprintf(text + n, "f %d %d %d\n", a, b + AROUND, b);
-            if (i < DOWN - 1) n += (size_t)sprintf(text + n, "f %d %d %d\n", a, a + AROUND, b + AROUND);
-        }
-    scene = files_load(files_text("sphere.obj", text), env, NULL, (float[]){0, 0, 0});
-    assert_within("glass sphere", files_radiance(scene, "fv", 0, 400000, &ahead, 16, NULL), 0.75, 0.005);
-    rnd_scene_destroy(scene);
-}
-
-/* A lamp behind a slab of glass in the dark: of its light all passes but what the two faces send back,
- * (1 - R) / (1 + R) with every reflection inside, R = 0.04. */
-static void lamp_behind_glass(void **state)
-{
-    (void)state;
-    char text[2000] = "mtllib behind.mtl\n";
-    files_text("behind.mtl", "newmtl m\nKd 1 1 1\nNi 1.5\nillum 7\nnewmtl lamp\nKd 0 0 0\nKe 2 2 2\n");
-    files_box(text, sizeof text, "m", (double[]){-30, -30, -4.1}, (double[]){30, 30, -4});
-    files_box(text, sizeof text, "lamp", (double[]){-30, -30, -6}, (double[]){30, 30, -5});
-    struct rnd_scene *scene = files_load(files_text("behind.obj", text), NULL, NULL, (float[]){0, 0, 0});
-    const struct rnd_aim ahead = files_aim(0, 0, -1);
-    assert_within("lamp behind glass", files_radiance(scene, "fv", 0, 200000, &ahead, 6, NULL),
-                  2 * 0.96 / 1.04, 0.003);
-    rnd_scene_destroy(scene);
-}
-
-/* Radiance of a metal plane in a white world, seen from its normal. */
-static double metal(double roughness, const char *base, double cone_deg, float rgb[3])
-{
-    char material[300];
-    snprintf(
-        material, sizeof material,
-        "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[%s,1],\"metallicFactor\":1,\"roughnessFactor\":%g}}",
-        base, roughness);
-    const char *path = files_gltf("metal.gltf", 100, "{\"mesh\":0}", material, "");
-    struct rnd_scene *scene = files_load(path, files_env("one.exr", 1.0f), NULL, (float[]){0, 1, 0});
-    const struct rnd_aim aim = files_aim(0, -1, 0);
-    const double value = files_radiance(scene, "fv", 0, 1000000, &aim, cone_deg, rgb);
-    rnd_scene_destroy(scene);
-    return value;
-}
-
-/* A matt floor of .5, panes above it (and below), glass of 1.5 with that colour. */
-static struct rnd_scene *under_panes(const char *nodes, const char *colour, const char *env, const float *sun)
-{
-    static const struct files_part part[] = {FILES_SQUARE};
-    static const char meshes[] =
-        "{\"attributes\":{\"POSITION\":0},\"indices\":2,\"material\":0}]},{\"primitives\":["
-        "{\"attributes\":{\"POSITION\":0},\"indices\":2,\"material\":1}";
-    char materials[600];
-    snprintf(materials, sizeof materials,
-             "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,1],\"metallicFactor\":0},"
-             "\"extensions\":{\"KHR_materials_specular\":{\"specularFactor\":0}}},"
-             "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[%s,1],\"metallicFactor\":0,"
-             "\"roughnessFactor\":0},\"extensions\":{\"KHR_materials_transmission\":"
-             "{\"transmissionFactor\":1}}}",
-             colour);
-    return files_load(files_parts("pane.gltf", meshes, nodes, materials, "", part, 3), env, sun,
-                      (float[]){0, 0.5f, 0});
-}
-
-static const char pane_nodes[] =
-    "{\"mesh\":0,\"scale\":[600,1,300],\"children\":[1]},{\"mesh\":1,\"translation\":[0,1,0]}";
-
-/* Sun through a clear pane on a floor below, once as a mesh of the world and once as an instance stretched
- * along two axes: 1 - R of it comes through, R by Fresnel at 60 degrees; and of what the floor gives back the
- * pane returns the mean of R over the hemisphere, 0.0918 for glass of 1.5 (Walsh 1926). */
-static void pane(void **state)
-{
-    (void)state;
-    static const char *const nodes[] = {
-        pane_nodes,
-        "{\"mesh\":0,\"scale\":[600,1,300],\"children\":[1,2]},{\"mesh\":1,\"translation\":[0,1,0]},"
-        "{\"mesh\":1,\"translation\":[0,-1,0]}"};
-    const double ci = 0.5, ct = sqrt(1.0 - (1.0 - ci * ci) / 2.25), rs = (ci - 1.5 * ct) / (ci + 1.5 * ct),
-                 rp = (1.5 * ci - ct) / (1.5 * ci + ct), reflected = 0.5 * (rs * rs + rp * rp);
-    const struct rnd_aim down = files_aim(0, -1, 0), up = files_aim(0, 1, 0);
-    for (int i = 0; i < 2; i++) {
-        struct rnd_scene *scene = under_panes(nodes[i], "1,1,1", NULL, (float[]){20, 30, 3, 0.53f});
-        assert_within(i ? "sun through instanced panes" : "sun through a pane",
-                      files_radiance(scene, "fv", 0, 200000, &down, 30, NULL),
-                      0.5 / M_PI * 3 * ci * (1 - reflected) / (1 - 0.5 * 0.0918), 0.003);
-        rnd_scene_destroy(scene);
-
-        scene = under_panes(nodes[i], "1,1,1", files_env("lit.exr", 0.75f), NULL);
-        const double floor = 0.5 * 0.75 * (1 - 0.0918) / (1 - 0.5 * 0.0918);
-        assert_within("sky through it, and the floor in it",
-                      files_radiance(scene, "fv", 0, 200000, &up, 10, NULL), 0.96 * 0.75 + 0.04 * floor,
-                      0.003);
-        rnd_scene_destroy(scene);
-    }
-}
-
-/* A tinted pane gives each colour its share, of the sky that is seen and of what lights the floor. */
-static void tinted_pane(void **state)
-{
-    (void)state;
-    static const double tint[3] = {0.5, 0.8, 0.9};
-    const struct rnd_aim down = files_aim(0, -1, 0), up = files_aim(0, 1, 0);
-    struct rnd_scene *scene = under_panes(pane_nodes, "0.5,0.8,0.9", files_env("lit.exr", 0.75f), NULL);
-    float sky[3], floor[3];
-    files_radiance(scene, "fv", 0, 1000000, &up, 10, sky);
-    files_radiance(scene, "fv", 0, 1000000, &down, 10, floor);
-    rnd_scene_destroy(scene);
-    for (int c = 0; c < 3; c++) {
-        const double below = 0.5 * 0.75 * tint[c] * (1 - 0.0918) / (1 - 0.5 * 0.0918);
-        assert_within("floor under a tinted pane", floor[c], below, 0.01);
-        assert_within("sky through it, and the floor in it", sky[c], 0.96 * tint[c] * 0.75 + 0.04 * below,
-                      0.01);
-    }
-}
-
 /* The sky of a map of integers is as bright as their sRGB says. */
 static void environments_of_integers(void **state)
 {
     (void)state;
     const char *path =
-        box_scene("speck", "newmtl m\nKd 0 0 0\n", (double[]){0, -50, 0}, (double[]){1, -49, 1});
+        files_box_scene("speck", "newmtl m\nKd 0 0 0\n", (double[]){0, -50, 0}, (double[]){1, -49, 1});
     const struct rnd_aim up = files_aim(0, 1, 0);
     for (int bits = 8; bits <= 16; bits += 8) {
         const char *env = files_png("grey.png", bits, bits == 8 ? 128 : 128 * 257, 0);
@@ -429,7 +282,7 @@ static void broken_environments(void **state)
                  {3e38f, "x 4, y 1 is 3e+38,", 65504}};
     static const struct rnd_channel rgb_channels[3] = {{"R", RND_FLOAT}, {"G", RND_FLOAT}, {"B", RND_FLOAT}};
     const char *path =
-        box_scene("speck", "newmtl m\nKd 0 0 0\n", (double[]){0, -50, 0}, (double[]){1, -49, 1});
+        files_box_scene("speck", "newmtl m\nKd 0 0 0\n", (double[]){0, -50, 0}, (double[]){1, -49, 1});
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         float rgb[W * H * 3];
         for (int k = 0; k < W * H * 3; k++) rgb[k] = 1.0f;
@@ -469,7 +322,8 @@ static void turned_environment(void **state)
                                   "\"KHR_materials_specular\":{\"specularFactor\":0}}}",
                                   "");
     for (int k = 0; k < 2; k++) {
-        const struct rnd_scene_options options = {.readers = files_readers(), .path = path,
+        const struct rnd_scene_options options = {.readers = files_readers(),
+                                                  .path = path,
                                                   .env_path = env,
                                                   .env_azimuth = k ? 90.0f : 0.0f,
                                                   .has_eye = true,
@@ -487,23 +341,6 @@ static void turned_environment(void **state)
     assert_within("light on the floor", lit[1], lit[0], 0.01);
 }
 
-/* A mirror has its base colour; a white metal returns all light, however rough. */
-static void metals(void **state)
-{
-    (void)state;
-    float rgb[3];
-    metal(0.0, "0.9,0.6,0.3", 10, rgb);
-    assert_within("mirror, red", rgb[0], 0.9, 0.002);
-    assert_within("mirror, green", rgb[1], 0.6, 0.002);
-    assert_within("mirror, blue", rgb[2], 0.3, 0.002);
-    static const double roughness[] = {0.1, 0.3, 0.6, 1.0};
-    for (int i = 0; i < 4; i++) {
-        char what[64];
-        snprintf(what, sizeof what, "white metal of roughness %g", roughness[i]);
-        assert_within(what, metal(roughness[i], "1,1,1", 3, NULL), 1.0, 0.005);
-    }
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -517,14 +354,9 @@ int main(void)
         cmocka_unit_test(dark_room_far_away),
         cmocka_unit_test(far_nodes),
         cmocka_unit_test(punctual),
-        cmocka_unit_test(invisible_glass),
-        cmocka_unit_test(metals),
-        cmocka_unit_test(lamp_behind_glass),
         cmocka_unit_test(environments_of_integers),
         cmocka_unit_test(broken_environments),
         cmocka_unit_test(turned_environment),
-        cmocka_unit_test(pane),
-        cmocka_unit_test(tinted_pane),
     };
     return cmocka_run_group_tests_name("renderer_furnace", tests, files_setup, files_teardown);
 }

@@ -28,6 +28,19 @@ static inline void files_pixels(const char *path, const char *format, int width,
     assert_int_equal(fclose(file), 0);
 }
 
+/* An OBJ of one box with that material, which is named m. */
+static inline const char *files_box_scene(const char *name, const char *material, const double low[3],
+                                          const double high[3])
+{
+    char text[2000], file[64];
+    snprintf(file, sizeof file, "%s.mtl", name);
+    files_text(file, material);
+    snprintf(text, sizeof text, "mtllib %s\n", file);
+    files_box(text, sizeof text, "m", low, high);
+    snprintf(file, sizeof file, "%s.obj", name);
+    return files_text(file, text);
+}
+
 #define NEAR(a, b) assert_float_equal(a, b, 1e-4)
 
 /* Bytes of a buffer of their own, whose view and accessor have its number; the accessor's keys but for the

@@ -1,48 +1,6 @@
 /* The parser of report descriptors and the decoder of reports: the reference, other legal layouts, hostile
  * bytes. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
-
-#include "hid_report.h"
-
-#include "../device/descriptors.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-/* Items, as the HID specification names them. */
-#define PAGE(n)             0x05, n
-#define USAGE(n)            0x09, n
-#define USAGE_2(n)          0x0a, (n)&255, (n) >> 8
-#define EXTENDED(page, n)   0x0b, n, 0, page, 0
-#define RANGE(low, high)    0x19, low, 0x29, high
-#define OPEN(kind)          0xa1, kind
-#define CLOSE               0xc0
-#define ID(n)               0x85, n
-#define SIZE(n)             0x75, n
-#define COUNT(n)            0x95, n
-#define MIN_1(n)            0x15, (n)&255
-#define MIN_2(n)            0x16, (n)&255, (n) >> 8 & 255
-#define MAX_1(n)            0x25, n
-#define MAX_2(n)            0x26, (n)&255, (n) >> 8 & 255
-#define MAX_4(n)            0x27, (n)&255, (n) >> 8 & 255, (n) >> 16 & 255, (n) >> 24 & 255
-#define PHYSICAL(low, high) 0x36, (low)&255, (low) >> 8 & 255, 0x46, (high)&255, (high) >> 8 & 255
-#define UNIT(n)             0x66, (n)&255, (n) >> 8 & 255
-#define EXPONENT(n)         0x55, (n)&15
-#define INPUT               0x81, 0x02
-#define PADDING             0x81, 0x03
-#define TRACKER             PAGE(0x12), USAGE(0x01), OPEN(1)
-#define GAZE                USAGE(0x24), OPEN(2)
-#define XY                  USAGE(0x21), USAGE(0x22)
-
-#define CM     0x11
-#define INCH   0x13
-#define DEGREE 0x14
-#define SECOND 0x1001
+#include "tracker_hid.h"
 
 struct layout {
     const char *name;
@@ -128,18 +86,6 @@ static const struct layout layouts[] = {
            USAGE(0x20), INPUT, GAZE, XY, COUNT(2), INPUT, CLOSE, CLOSE),
      BYTES(1, 5, 0, 0x88, 0x13, 0x10, 0x27), true, 0.5, 1, 5, 16, 1000},
 };
-
-static void parse(const uint8_t *bytes, size_t size, struct trk_hid_layout *out_layout)
-{
-    char error[TRK_ERROR_SIZE] = "";
-    if (!trk_hid_parse(bytes, size, out_layout, error)) fail_msg("%s", error);
-}
-
-static void close_to(double value, double expected)
-{
-    if (!(fabs(value - expected) <= 1e-9 * fmax(1, fabs(expected))))
-        fail_msg("%.12g is not %.12g", value, expected);
-}
 
 static void put_i32(uint8_t *out, int32_t value)
 {
@@ -273,7 +219,7 @@ static void other_layouts(void **state)
     }
 }
 
-/* --- what is no descriptor ------------------------------------------------------------------------------ */
+/* --- what is no descriptor --- */
 
 static void refused(const char *name, const uint8_t *bytes, size_t size, const char *why)
 {
@@ -353,143 +299,6 @@ static void every_beginning_and_every_byte(void **state)
     free(copy);
 }
 
-/* --- requests and rays -----------------------------------------------------------------------------------
- */
-
-static void mode_is_encoded_in_its_range(void **state)
-{
-    (void)state;
-    struct trk_hid_layout layout;
-    uint8_t report[2] = {0};
-    parse(reference_descriptor, sizeof reference_descriptor, &layout);
-    const struct trk_hid_field *mode = trk_hid_find(&layout, TRK_HID_FEATURE, TRK_HID_MODE);
-    assert_true(trk_hid_encode(mode, 7, report, sizeof report));
-    assert_int_equal(report[0], 0x14);
-    assert_int_equal(report[1], 7);
-    assert_false(trk_hid_encode(mode, 8, report, sizeof report));
-    assert_false(trk_hid_encode(mode, 7, report, 1));
-}
-
-static void near(const float *v, double x, double y, double z)
-{
-    if (fabs(v[0] - x) > 1e-5 || fabs(v[1] - y) > 1e-5 || fabs(v[2] - z) > 1e-5)
-        fail_msg("%g %g %g should be %g %g %g", (double)v[0], (double)v[1], (double)v[2], x, y, z);
-}
-
-/* A screen of 0.6 x 0.4 m at 0.8 m; its top right corner is 0.3 right, 0.2 up. */
-static const struct trk_screen screen = {0.6f, 0.4f, 0.8f};
-
-static struct trk_hid_values gaze_at(double x, double y)
-{
-    struct trk_hid_values values = {.has = 3u << TRK_HID_GAZE_X};
-    values.value[TRK_HID_GAZE_X] = x;
-    values.value[TRK_HID_GAZE_Y] = y;
-    return values;
-}
-
-static void set_point(struct trk_hid_values *values, enum trk_hid_quantity first, double x, double y,
-                      double z)
-{
-    values->has |= 7u << first;
-    values->value[first] = x;
-    values->value[first + 1] = y;
-    values->value[first + 2] = z;
-}
-
-static void points_become_rays(void **state)
-{
-    (void)state;
-    struct trk_sample sample = {0};
-    struct trk_hid_values values = gaze_at(0.3, 0.2);
-    trk_hid_sample(&values, &screen, &sample);
-    assert_int_equal(sample.valid, TRK_DIRECTION | TRK_SCREEN);
-    near(sample.direction, 0, 0, -1);
-
-    values = gaze_at(0.6, 0);
-    double length = sqrt(0.3 * 0.3 + 0.2 * 0.2 + 0.8 * 0.8);
-    trk_hid_sample(&values, &screen, &sample);
-    near(sample.direction, 0.3 / length, 0.2 / length, -0.8 / length); /* right and up */
-    assert_true(fabsf(sample.screen[0] - 1) < 1e-6f && sample.screen[1] == 0);
-
-    /* The same as shares. */
-    values = gaze_at(1, 0);
-    values.is_share = true;
-    trk_hid_sample(&values, &screen, &sample);
-    near(sample.direction, 0.3 / length, 0.2 / length, -0.8 / length);
-
-    /* Nothing to aim at. */
-    values.has = 1u << TRK_HID_GAZE_X;
-    trk_hid_sample(&values, &screen, &sample);
-    assert_int_equal(sample.valid, 0);
-}
-
-static void eyes_are_where_rays_begin(void **state)
-{
-    (void)state;
-    struct trk_sample sample = {0};
-    struct trk_hid_values values = gaze_at(0.3, 0.2);
-    set_point(&values, TRK_HID_LEFT_X, 0.27, 0.2, 0.4);
-    set_point(&values, TRK_HID_RIGHT_X, 0.33, 0.2, 0.4);
-    trk_hid_sample(&values, &screen, &sample);
-    assert_int_equal(sample.valid, TRK_DIRECTION | TRK_SCREEN | TRK_ORIGIN | TRK_LEFT_DIRECTION |
-                                       TRK_LEFT_ORIGIN | TRK_RIGHT_DIRECTION | TRK_RIGHT_ORIGIN);
-    near(sample.origin, 0, 0, -0.4);
-    near(sample.direction, 0, 0, -1);
-    double length = sqrt(0.03 * 0.03 + 0.4 * 0.4);
-    near(sample.eye[0].origin, -0.03, 0, -0.4);
-    near(sample.eye[0].direction, 0.03 / length, 0, -0.4 / length); /* the left eye looks to the right */
-    near(sample.eye[1].direction, -0.03 / length, 0, -0.4 / length);
-
-    /* One eye that is not known is no eye. */
-    set_point(&values, TRK_HID_LEFT_X, 0, 0, 0);
-    trk_hid_sample(&values, &screen, &sample);
-    assert_false(sample.valid & (TRK_LEFT_ORIGIN | TRK_LEFT_DIRECTION));
-    near(sample.origin, 0.03, 0, -0.4);
-}
-
-/* A head that is turned to its left by 90 degrees and looks at the screen looks to its right. */
-static void head_pose_takes_rays_along(void **state)
-{
-    (void)state;
-    struct trk_sample sample = {0};
-    struct trk_hid_values values = gaze_at(0.3, 0.2);
-    float world[3];
-    set_point(&values, TRK_HID_HEAD_X, 0.3, 0.1, 0.8);
-    set_point(&values, TRK_HID_TURN_X, 0, M_PI / 2, 0);
-    trk_hid_sample(&values, &screen, &sample);
-    assert_true(sample.valid & TRK_HEAD);
-    near(sample.head, 0, 0.1, 0);
-    near(sample.direction, 1, 0, 0);
-    assert_true(trk_world_direction(&sample, world));
-    near(world, 0, 0, -1);
-    /* +X of the device's frame, turned over with Y: a positive rotation about it looks down. */
-    set_point(&values, TRK_HID_TURN_X, M_PI / 2, 0, 0);
-    trk_hid_sample(&values, &screen, &sample);
-    near(sample.head + 3, -M_SQRT1_2, 0, 0);
-    assert_true(trk_world_direction(&sample, world));
-    near(world, 0, 0, -1);
-}
-
-static void head_pose_in_degrees(void **state)
-{
-    (void)state;
-    static const uint8_t descriptor[] = {
-        TRACKER,       ID(1),        GAZE,     XY,           UNIT(CM),     EXPONENT(-1),
-        MIN_2(-18000), MAX_2(18000), SIZE(16), COUNT(2),     INPUT,        CLOSE,
-        USAGE(0x27),   OPEN(0),      XY,       USAGE(0x23),  COUNT(3),     INPUT,
-        CLOSE,         USAGE(0x28),  OPEN(0),  UNIT(DEGREE), EXPONENT(-2), RANGE(0x29, 0x2b),
-        INPUT,         CLOSE,        CLOSE};
-    struct trk_hid_layout layout;
-    struct trk_hid_values values;
-    uint8_t report[17] = {1};
-    parse(descriptor, sizeof descriptor, &layout);
-    report[13] = 0x28; /* 90 degrees about Y: 9000 */
-    report[14] = 0x23;
-    assert_true(trk_hid_decode(&layout, TRK_HID_INPUT, report, sizeof report, &values));
-    close_to(values.value[TRK_HID_TURN_Y], M_PI / 2);
-    assert_false(layout.has_unknown_turn);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -499,11 +308,6 @@ int main(void)
         cmocka_unit_test(other_layouts),
         cmocka_unit_test(hostile_bytes),
         cmocka_unit_test(every_beginning_and_every_byte),
-        cmocka_unit_test(mode_is_encoded_in_its_range),
-        cmocka_unit_test(points_become_rays),
-        cmocka_unit_test(eyes_are_where_rays_begin),
-        cmocka_unit_test(head_pose_takes_rays_along),
-        cmocka_unit_test(head_pose_in_degrees),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests_name("tracker_hid_descriptor", tests, NULL, NULL);
 }
