@@ -140,7 +140,7 @@ static void print_json(const struct comparison *c)
     json_decref(object);
 }
 
-int ctl_compare(const struct ctl *ctl)
+static int run(const struct ctl *ctl)
 {
     struct comparison comparison = {.ctl = ctl};
     bool good = read_both(&comparison) && measure(&comparison) && (!ctl->map || write_map(&comparison));
@@ -152,3 +152,11 @@ int ctl_compare(const struct ctl *ctl)
     free(comparison.measure);
     return good ? 0 : 1;
 }
+
+const struct ctl_command ctl_compare = {
+    .name = "compare",
+    .operands = "REFERENCE TEST",
+    .summary = "how different two pictures are to an eye: FLIP, relative errors, PSNR",
+    .options = "json ppd ldr map",
+    .run = CTL_NEEDS_IMAGES(run),
+};

@@ -1,4 +1,4 @@
-/* ctl: foveactl, the command-line client. One file a command; the table of them is in foveactl.c. */
+/* ctl: foveactl, the command-line client. One file per command. */
 #ifndef FOVEAD_CTL_H
 #define FOVEAD_CTL_H
 
@@ -6,83 +6,77 @@
 
 #include "daemon.h"
 
-/* Options; each command names the ones it takes. */
-enum {
-    CTL_DAEMON = 1 << 0, /* --connect, --wait */
-    CTL_JSON = 1 << 1,
-    CTL_FOR = 1 << 2,
-    CTL_UNTIL_FINISHED = 1 << 3,
-    CTL_VIEW = 1 << 4,
-    CTL_SIZE = 1 << 5,
-    CTL_SETTLE = 1 << 6,
-    CTL_GAZE = 1 << 7,
-    CTL_EXPOSURE = 1 << 8,
-    CTL_STOP = 1 << 9,
-    CTL_REPLACE = 1 << 10,
-    CTL_PPD = 1 << 11,
-    CTL_LDR = 1 << 12,
-    CTL_MAP = 1 << 13,
-    CTL_BY = 1 << 14,
-    CTL_WITHIN = 1 << 15,
-    CTL_LOG_FORMAT = 1 << 16, /* what is told about a gaze log */
-    CTL_LOG_TIME_UNIT = 1 << 17,
-    CTL_LOG_FRAME = 1 << 18,
-    CTL_LOG_SCREEN = 1 << 19,
-    CTL_LOG_RECORDING = 1 << 20,
-    CTL_LOG = CTL_LOG_FORMAT | CTL_LOG_TIME_UNIT | CTL_LOG_FRAME | CTL_LOG_SCREEN | CTL_LOG_RECORDING,
-};
-
 enum { CTL_PATH_SIZE = 4096 };
 
 /* How long a daemon may take to answer, s: a machine that does other work is slow. */
 enum { CTL_PATIENCE_S = 30, CTL_START_S = 600 /* to come up, with --wait */ };
 
+/* What a command line says. */
 struct ctl {
-    const char *command;
-    unsigned given;   /* CTL_* bits */
-    bool has_address; /* else the default */
+    const char *command; /* its name */
+    bool has_address;    /* else the default */
     struct pro_address address;
-    bool wait, json, until_finished, stop;
-    double seconds, settle, within;
-    bool view_gaze; /* the view's middle is the gaze */
-    double view[3]; /* yaw, pitch, horizontal field of view: deg */
+    bool wait, json, until_finished, stop, replace, by, ldr;
+    double seconds; /* of --for; infinite: not given */
+    double settle, within;
+    bool has_view, view_gaze; /* view_gaze: the view's middle is the gaze */
+    double view[3];           /* yaw, pitch, horizontal field of view: deg */
     int width, height;
     bool exposure_auto;
     double exposure; /* stops */
     const char *gaze;
     double ppd; /* pixels per degree */
-    bool ldr;
     const char *map;
     struct trk_log_options log;
     char **operand;   /* ends with NULL */
     char **arguments; /* all, as they were given */
 };
 
+/* A command is one file, which ends with its row, and one line here, where --help lists them in this order.
+ */
+#define CTL_COMMANDS(ROW)                                                                                    \
+    ROW(ctl_watch)                                                                                           \
+    ROW(ctl_snapshot)                                                                                        \
+    ROW(ctl_stats)                                                                                           \
+    ROW(ctl_freeze)                                                                                          \
+    ROW(ctl_unfreeze)                                                                                        \
+    ROW(ctl_look)                                                                                            \
+    ROW(ctl_move)                                                                                            \
+    ROW(ctl_save)                                                                                            \
+    ROW(ctl_record)                                                                                          \
+    ROW(ctl_recentre)                                                                                        \
+    ROW(ctl_samples)                                                                                         \
+    ROW(ctl_compare)                                                                                         \
+    ROW(ctl_gaze_info)                                                                                       \
+    ROW(ctl_gaze_convert)                                                                                    \
+    ROW(ctl_gaze_plot)
+
 struct ctl_command {
-    const char *name, *operands, *summary; /* a name may be two words */
-    int count;                             /* of operands; one in brackets may be missing */
-    unsigned options;
+    const char *name;     /* may be two words */
+    const char *operands; /* as --help calls them, one word each; one in brackets may be missing */
+    const char *summary;
+    const char *options;               /* names of the options that it takes, with blanks between them */
     int (*run)(const struct ctl *ctl); /* exit status */
 };
 
-int ctl_watch(const struct ctl *ctl);
-int ctl_snapshot(const struct ctl *ctl);
-int ctl_stats(const struct ctl *ctl);
-int ctl_freeze(const struct ctl *ctl);
-int ctl_unfreeze(const struct ctl *ctl);
-int ctl_look(const struct ctl *ctl);
-int ctl_move(const struct ctl *ctl);
-int ctl_save(const struct ctl *ctl);
-int ctl_record(const struct ctl *ctl);
-int ctl_recentre(const struct ctl *ctl);
-int ctl_samples(const struct ctl *ctl);
-int ctl_compare(const struct ctl *ctl);
-int ctl_gaze_info(const struct ctl *ctl);
-int ctl_gaze_convert(const struct ctl *ctl);
-int ctl_gaze_plot(const struct ctl *ctl);
+#define CTL_DECLARE(command) extern const struct ctl_command command;
+CTL_COMMANDS(CTL_DECLARE)
 
-/* --- for the commands
- * ---------------------------------------------------------------------------------------- */
+/* Options of every command that connects to the daemon, and of every command that reads a gaze log. */
+#define CTL_CONNECTION "connect wait "
+#define CTL_LOG        "format time-unit frame screen recording "
+
+/* How the row of a command that needs OpenImageIO names its function. The file is compiled twice: whole for
+ * foveactl-image; and for foveactl, which has the row alone, and runs foveactl-image instead (elsewhere.c).
+ */
+#ifdef CTL_ELSEWHERE
+int ctl_run_elsewhere(const struct ctl *ctl);
+#define CTL_NEEDS_IMAGES(run) ctl_run_elsewhere
+#else
+#define CTL_NEEDS_IMAGES(run) run
+#endif
+
+/* --- for the commands -------------------------------------------------------------------------------- */
 
 /* One line on stderr; returns false. */
 bool ctl_fail(const char *format, ...) __attribute__((format(printf, 1, 2)));

@@ -8,7 +8,7 @@
 
 #include "ctl.h"
 
-static int run_image(const struct ctl *ctl)
+int ctl_run_elsewhere(const struct ctl *ctl)
 {
     static const char name[] = "foveactl-image";
     char path[CTL_PATH_SIZE + sizeof(name)] = "";
@@ -21,19 +21,4 @@ static int run_image(const struct ctl *ctl)
     }
     ctl_fail("%s: %s: %s, expected it beside foveactl", ctl->command, slash ? path : name, strerror(errno));
     return 1;
-}
-
-int ctl_snapshot(const struct ctl *ctl)
-{
-    return run_image(ctl);
-}
-
-int ctl_samples(const struct ctl *ctl)
-{
-    return run_image(ctl);
-}
-
-int ctl_compare(const struct ctl *ctl)
-{
-    return run_image(ctl);
 }

@@ -17,12 +17,28 @@ static int tell(const struct ctl *ctl, bool frozen)
     return good ? 0 : 1;
 }
 
-int ctl_freeze(const struct ctl *ctl)
+static int freeze(const struct ctl *ctl)
 {
     return tell(ctl, true);
 }
 
-int ctl_unfreeze(const struct ctl *ctl)
+static int unfreeze(const struct ctl *ctl)
 {
     return tell(ctl, false);
 }
+
+const struct ctl_command ctl_freeze = {
+    .name = "freeze",
+    .operands = "",
+    .summary = "keep sampling where the gaze is now",
+    .options = CTL_CONNECTION,
+    .run = freeze,
+};
+
+const struct ctl_command ctl_unfreeze = {
+    .name = "unfreeze",
+    .operands = "",
+    .summary = "follow the gaze again",
+    .options = CTL_CONNECTION,
+    .run = unfreeze,
+};

@@ -225,7 +225,7 @@ static bool print_json(const char *path, const struct trk_log *log, const struct
 
 /* --- the commands --------------------------------------------------------------------------------------- */
 
-int ctl_gaze_info(const struct ctl *ctl)
+static int info(const struct ctl *ctl)
 {
     struct trk_log log;
     struct summary summary;
@@ -303,10 +303,10 @@ static bool write_own(const char *path, const struct trk_log *log, bool replace)
     return end(&file);
 }
 
-int ctl_gaze_convert(const struct ctl *ctl)
+static int convert(const struct ctl *ctl)
 {
     const char *out = ctl->operand[1];
-    bool replace = ctl->given & CTL_REPLACE;
+    bool replace = ctl->replace;
     struct trk_log log;
     bool good;
 
@@ -321,3 +321,19 @@ int ctl_gaze_convert(const struct ctl *ctl)
     trk_log_finish(&log);
     return good ? 0 : 1;
 }
+
+const struct ctl_command ctl_gaze_info = {
+    .name = "gaze info",
+    .operands = "LOG",
+    .summary = "what a gaze log holds, and what was assumed of it",
+    .options = CTL_LOG "json",
+    .run = info,
+};
+
+const struct ctl_command ctl_gaze_convert = {
+    .name = "gaze convert",
+    .operands = "LOG OUT",
+    .summary = "write a gaze log as OUT: .gaze (fovead's own) or _physio.tsv.gz (BIDS)",
+    .options = CTL_LOG "replace",
+    .run = convert,
+};

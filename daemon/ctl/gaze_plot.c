@@ -221,7 +221,7 @@ static bool draw(const char *path, const char *out_path, const struct trk_log *l
     return dmn_chart_end(&chart, out_path, 0600, error) || ctl_fail("%s", error);
 }
 
-int ctl_gaze_plot(const struct ctl *ctl)
+static int run(const struct ctl *ctl)
 {
     const char *out = ctl->operand[1];
     struct trk_log log;
@@ -246,3 +246,11 @@ int ctl_gaze_plot(const struct ctl *ctl)
     trk_log_finish(&log);
     return good ? 0 : 1;
 }
+
+const struct ctl_command ctl_gaze_plot = {
+    .name = "gaze plot",
+    .operands = "LOG OUT",
+    .summary = "chart a gaze log as OUT, .svg or .png: yaw and pitch over time, path of gaze",
+    .options = CTL_LOG,
+    .run = run,
+};

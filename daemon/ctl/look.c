@@ -27,7 +27,7 @@ static bool arrives(struct pro_client *client, const float direction[3])
            ctl_fail("the gaze stays where it is: it comes from %s", pro_welcome(client)->gaze_source);
 }
 
-int ctl_look(const struct ctl *ctl)
+static int run(const struct ctl *ctl)
 {
     Fovea__Message message = FOVEA__MESSAGE__INIT;
     Fovea__Pointer pointer = FOVEA__POINTER__INIT;
@@ -52,3 +52,11 @@ int ctl_look(const struct ctl *ctl)
     pro_disconnect(client);
     return good ? 0 : 1;
 }
+
+const struct ctl_command ctl_look = {
+    .name = "look",
+    .operands = "YAW,PITCH",
+    .summary = "move the gaze there, degrees (for fovead --gaze pointer)",
+    .options = CTL_CONNECTION,
+    .run = run,
+};

@@ -47,7 +47,7 @@ static bool tell(const struct ctl *ctl, struct pro_client *client, const Fovea__
     return good;
 }
 
-int ctl_move(const struct ctl *ctl)
+static int run(const struct ctl *ctl)
 {
     Fovea__Message message = FOVEA__MESSAGE__INIT;
     Fovea__Move move = FOVEA__MOVE__INIT;
@@ -67,10 +67,18 @@ int ctl_move(const struct ctl *ctl)
     move.request = 1;
     move.n_eye = 3;
     move.eye = eye;
-    move.relative = ctl->given & CTL_BY;
+    move.relative = ctl->by;
     message.body_case = FOVEA__MESSAGE__BODY_MOVE;
     message.move = &move;
     good = tell(ctl, client, &message);
     pro_disconnect(client);
     return good ? 0 : 1;
 }
+
+const struct ctl_command ctl_move = {
+    .name = "move",
+    .operands = "X,Y,Z",
+    .summary = "move the camera there, metres, or with --by so far; the picture begins anew",
+    .options = CTL_CONNECTION "json by",
+    .run = run,
+};

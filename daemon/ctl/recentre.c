@@ -4,7 +4,7 @@
 
 #include "ctl.h"
 
-int ctl_recentre(const struct ctl *ctl)
+static int run(const struct ctl *ctl)
 {
     Fovea__Message message = FOVEA__MESSAGE__INIT;
     Fovea__Recentre recentre = FOVEA__RECENTRE__INIT;
@@ -31,3 +31,11 @@ int ctl_recentre(const struct ctl *ctl)
     pro_disconnect(client);
     return good ? 0 : 1;
 }
+
+const struct ctl_command ctl_recentre = {
+    .name = "recentre",
+    .operands = "[YAW,PITCH]",
+    .summary = "say that the eye looks there now, or at the view's centre: all gaze is turned accordingly",
+    .options = CTL_CONNECTION,
+    .run = run,
+};

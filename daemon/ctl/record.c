@@ -1,4 +1,5 @@
 /* foveactl record: the daemon records the gaze samples as they come from the source. */
+#include <math.h>
 #include <signal.h>
 
 #include "ctl.h"
@@ -53,7 +54,7 @@ static bool wait_for(struct pro_client *client, double seconds)
     return true;
 }
 
-int ctl_record(const struct ctl *ctl)
+static int run(const struct ctl *ctl)
 {
     struct sigaction action = {.sa_handler = on_interrupt};
     const char *file = ctl->operand[0];
@@ -62,23 +63,31 @@ int ctl_record(const struct ctl *ctl)
     struct pro_client *client;
     bool good;
 
-    if (!file == !ctl->stop || (ctl->stop && ctl->given & (CTL_FOR | CTL_REPLACE))) {
+    if (!file == !ctl->stop) {
         ctl_fail("usage: foveactl record FILE [--for SECONDS] [--replace], or foveactl record --stop");
         return 2;
     }
     if (file && !ctl_make_absolute(file, path)) return 1;
-    client = ctl_connect(ctl, FOVEA__ENCODING__ENCODING_NONE, false, ctl->given & CTL_FOR);
+    client = ctl_connect(ctl, FOVEA__ENCODING__ENCODING_NONE, false, isfinite(ctl->seconds));
     if (!client) return 1;
-    if (ctl->given & CTL_FOR) {
+    if (isfinite(ctl->seconds)) {
         sigaction(SIGINT, &action, NULL);
         sigaction(SIGTERM, &action, NULL);
         /* nohup(1): it is to go on when the terminal is closed. */
         if (!sigaction(SIGHUP, NULL, &before) && before.sa_handler != SIG_IGN)
             sigaction(SIGHUP, &action, NULL);
     }
-    good = request(client, !ctl->stop, path, ctl->given & CTL_REPLACE);
-    if (good && ctl->given & CTL_FOR)
+    good = request(client, !ctl->stop, path, ctl->replace);
+    if (good && isfinite(ctl->seconds))
         good = wait_for(client, ctl->seconds) && request(client, false, "", false);
     pro_disconnect(client);
     return good ? 0 : 1;
 }
+
+const struct ctl_command ctl_record = {
+    .name = "record",
+    .operands = "[FILE]",
+    .summary = "have the daemon record the gaze samples as a log, until record --stop",
+    .options = CTL_CONNECTION "for stop replace",
+    .run = run,
+};

@@ -138,7 +138,7 @@ end:
     return good;
 }
 
-int ctl_samples(const struct ctl *ctl)
+static int run(const struct ctl *ctl)
 {
     char error[RND_ERROR_SIZE];
     struct trk_log log = {0};
@@ -153,3 +153,11 @@ int ctl_samples(const struct ctl *ctl)
     trk_log_finish(&log);
     return good ? 0 : 1;
 }
+
+const struct ctl_command ctl_samples = {
+    .name = "samples",
+    .operands = "FILE.exr OUT.png",
+    .summary = "draw where samples went, from a file that was saved",
+    .options = "gaze",
+    .run = CTL_NEEDS_IMAGES(run),
+};

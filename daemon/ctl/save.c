@@ -22,7 +22,7 @@ bool ctl_make_absolute(const char *path, char out_path[CTL_PATH_SIZE])
     return true;
 }
 
-int ctl_save(const struct ctl *ctl)
+static int run(const struct ctl *ctl)
 {
     Fovea__Message message = FOVEA__MESSAGE__INIT;
     Fovea__Save save = FOVEA__SAVE__INIT;
@@ -41,3 +41,11 @@ int ctl_save(const struct ctl *ctl)
     pro_disconnect(client);
     return good ? 0 : 1;
 }
+
+const struct ctl_command ctl_save = {
+    .name = "save",
+    .operands = "FILE.exr",
+    .summary = "have the daemon write colour, sample counts and errors",
+    .options = CTL_CONNECTION,
+    .run = run,
+};

@@ -173,7 +173,7 @@ static void tell(const struct snapshot *snapshot, const double view[3])
 {
     const Fovea__Welcome *film = pro_welcome(snapshot->client);
     const struct ctl *ctl = snapshot->ctl;
-    bool is_view = ctl->given & CTL_VIEW;
+    bool is_view = ctl->has_view;
     int width = is_view ? ctl->width : (int)film->width, height = is_view ? ctl->height : (int)film->height;
     json_t *object;
 
@@ -208,13 +208,13 @@ static bool make(struct snapshot *snapshot)
     if (!rgb) return ctl_fail("out of memory");
     pro_picture_resolve(pro_picture(snapshot->client), rgb);
     expose(ctl, rgb, (int)film->width, (int)film->height);
-    good = ctl->given & CTL_VIEW ? write_view(snapshot, rgb, view) : write_panorama(snapshot, rgb);
+    good = ctl->has_view ? write_view(snapshot, rgb, view) : write_panorama(snapshot, rgb);
     if (good) tell(snapshot, view);
     free(rgb);
     return good;
 }
 
-int ctl_snapshot(const struct ctl *ctl)
+static int run(const struct ctl *ctl)
 {
     struct snapshot snapshot = {.ctl = ctl};
     bool good;
@@ -226,3 +226,11 @@ int ctl_snapshot(const struct ctl *ctl)
     pro_disconnect(snapshot.client);
     return good ? 0 : 1;
 }
+
+const struct ctl_command ctl_snapshot = {
+    .name = "snapshot",
+    .operands = "FILE",
+    .summary = "save the picture as received: .exr, .png or .jpg; the panorama, or a --view",
+    .options = CTL_CONNECTION "json view size exposure settle within",
+    .run = CTL_NEEDS_IMAGES(run),
+};

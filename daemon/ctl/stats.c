@@ -80,7 +80,7 @@ static void print_json(const Fovea__Welcome *welcome, const Fovea__Stats *s)
     json_decref(object);
 }
 
-int ctl_stats(const struct ctl *ctl)
+static int run(const struct ctl *ctl)
 {
     struct pro_client *client = ctl_connect(ctl, FOVEA__ENCODING__ENCODING_NONE, false, true);
     Fovea__Message *message =
@@ -93,3 +93,11 @@ int ctl_stats(const struct ctl *ctl)
     pro_disconnect(client);
     return message ? 0 : 1;
 }
+
+const struct ctl_command ctl_stats = {
+    .name = "stats",
+    .operands = "",
+    .summary = "print the daemon's figures once",
+    .options = CTL_CONNECTION "json",
+    .run = run,
+};

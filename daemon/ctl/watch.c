@@ -374,14 +374,14 @@ static bool follow(struct watch *watch, char out_error[PRO_ERROR_SIZE])
             fovea__message__free_unpacked(message, NULL);
         }
         if (watch->keys && !press(watch, ctl_key())) break;
-        if (ctl->given & CTL_FOR && (double)(dmn_now_ns() - watch->began_ns) * 1e-9 >= ctl->seconds) break;
+        if ((double)(dmn_now_ns() - watch->began_ns) * 1e-9 >= ctl->seconds) break;
         if (ctl->until_finished && watch->stats.finished) break;
         draw(watch);
     }
     return true;
 }
 
-int ctl_watch(const struct ctl *ctl)
+static int run(const struct ctl *ctl)
 {
     struct sigaction action = {.sa_handler = on_interrupt};
     struct watch *watch = calloc(1, sizeof(*watch));
@@ -417,3 +417,11 @@ int ctl_watch(const struct ctl *ctl)
     free(watch);
     return good ? 0 : 1;
 }
+
+const struct ctl_command ctl_watch = {
+    .name = "watch",
+    .operands = "",
+    .summary = "show how the picture grows, where the eye looks and how long things take",
+    .options = CTL_CONNECTION "json for until-finished",
+    .run = run,
+};

@@ -9,7 +9,7 @@ foreach(program compare golden mean picture)
   target_link_libraries(e2e_${program} PRIVATE daemon renderer m)
 endforeach()
 
-foreach(name access attention bad_input compare disk files hostile kills libraries move record shutdown steer streams tracker
+foreach(name access attention bad_input compare disk files hostile kills libraries move options record shutdown steer streams tracker
         until virtual)
   add_test(NAME e2e_${name} COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/e2e/${name}.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
   set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" SKIP_RETURN_CODE 77)
