@@ -10,6 +10,7 @@
 #include "error.h"
 #include "events.h"
 #include "filter.h"
+#include "gaze.h"
 
 #include <stdlib.h>
 #include <string.h>

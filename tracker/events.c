@@ -38,9 +38,6 @@ static const double first_noise_deg = 0.2, least_noise_deg = 0.01;
  * the least keep it following. */
 static const double first_noise_step = 0.7, least_noise_step = 0.004;
 
-/* Of a lid. */
-static const float half_open = 0.5f;
-
 void trk_classifier_init(struct trk_classifier *classifier)
 {
     *classifier = (struct trk_classifier){.state = TRK_FIXATION, .noise_deg = first_noise_deg};
@@ -233,87 +230,6 @@ enum trk_state trk_classify(struct trk_classifier *c, uint64_t time_ns, const fl
     measure_noise(c);
     follow_slope(c, time_ns);
     return c->state;
-}
-
-/* --- samples -------------------------------------------------------------------------------------------- */
-
-bool trk_is_lid_down(const struct trk_sample *sample, int eye)
-{
-    return (sample->valid & TRK_LEFT_OPENNESS << 4 * eye) && sample->eye[eye].openness < half_open;
-}
-
-bool trk_combine(struct trk_sample *sample)
-{
-    vec3 direction = {0}, origin = {0};
-    int eyes = 0, origins = 0;
-    bool is_mean = false;
-    for (int i = 0; i < 2; i++) {
-        /* an eye under its lid tells nothing where the other one is open */
-        const bool other = (sample->valid & TRK_LEFT_DIRECTION << 4 * !i) && !trk_is_lid_down(sample, !i);
-        if ((sample->valid & TRK_LEFT_DIRECTION << 4 * i) && !(trk_is_lid_down(sample, i) && other)) {
-            glm_vec3_add(direction, sample->eye[i].direction, direction);
-            eyes++;
-        }
-        if (sample->valid & TRK_LEFT_ORIGIN << 4 * i) {
-            glm_vec3_add(origin, sample->eye[i].origin, origin);
-            origins++;
-        }
-    }
-    /* Two eyes that look apart by half a turn have no mean. */
-    if (!(sample->valid & TRK_DIRECTION) && glm_vec3_norm(direction) > 1e-3f) {
-        glm_vec3_normalize_to(direction, sample->direction);
-        sample->valid |= TRK_DIRECTION;
-        is_mean = eyes == 2;
-    }
-    if (!(sample->valid & TRK_ORIGIN) && origins > 0) {
-        glm_vec3_scale(origin, 1.f / (float)origins, sample->origin);
-        sample->valid |= TRK_ORIGIN;
-    }
-    return is_mean;
-}
-
-bool trk_gaze_direction(const struct trk_sample *sample, float out_head[3], const char **out_source)
-{
-    const bool left = (sample->valid & TRK_LEFT_DIRECTION) && !trk_is_lid_down(sample, 0);
-    const bool right = (sample->valid & TRK_RIGHT_DIRECTION) && !trk_is_lid_down(sample, 1);
-    const char *source = "both eyes";
-    vec3 direction = {0};
-    bool known;
-    if (trk_lids_closed(sample, &known)) return false;
-    if (sample->valid & TRK_DIRECTION) {
-        memcpy(direction, sample->direction, sizeof direction);
-    } else {
-        if (left) glm_vec3_add(direction, (float *)sample->eye[0].direction, direction);
-        if (right) glm_vec3_add(direction, (float *)sample->eye[1].direction, direction);
-        if (left != right) source = left ? "left eye" : "right eye";
-    }
-    float length = glm_vec3_norm(direction);
-    if (!(length > 0.5f && length < 3)) return false; /* nothing, eyes that look apart, or no numbers */
-    glm_vec3_normalize_to(direction, out_head);
-    if (out_source) *out_source = source;
-    return true;
-}
-
-void trk_to_world(const struct trk_sample *sample, const float head[3], float out_world[3])
-{
-    vec3 direction = {head[0], head[1], head[2]};
-    if (sample->valid & TRK_HEAD) {
-        versor pose; /* a copy: cglm's is aligned */
-        memcpy(pose, &sample->head[3], sizeof pose);
-        if (fabsf(glm_quat_norm(pose) - 1) <= 1e-2f) glm_quat_rotatev(pose, direction, direction);
-        glm_vec3_normalize(direction);
-    }
-    memcpy(out_world, direction, sizeof direction);
-}
-
-bool trk_lids_closed(const struct trk_sample *sample, bool *out_known)
-{
-    bool closed = true;
-    *out_known = sample->valid & (TRK_LEFT_OPENNESS | TRK_RIGHT_OPENNESS);
-    for (int eye = 0; eye < 2; eye++)
-        if (sample->valid & (TRK_LEFT_OPENNESS | TRK_LEFT_DIRECTION) << 4 * eye)
-            closed &= trk_is_lid_down(sample, eye);
-    return *out_known && closed;
 }
 
 const char *trk_state_name(enum trk_state state)

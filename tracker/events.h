@@ -43,26 +43,6 @@ void trk_classifier_init(struct trk_classifier *classifier);
 enum trk_state trk_classify(struct trk_classifier *classifier, uint64_t time_ns, const float head[3],
                             const float world[3]);
 
-/* The gaze of a sample: combined if there is one, else the mean of both eyes, else that of one whose lid is
- * not down. False if there is none, or if the lids are down: what a device goes on reporting then is the eye
- * that rolls under its lid. out_source, which may be NULL, says which: "both eyes", "left eye", "right eye".
- */
-bool trk_gaze_direction(const struct trk_sample *sample, float out_head[3], const char **out_source);
-
-/* The combined gaze and its origin, where the sample has none: the mean of the eyes that are valid; one is
- * enough. True if it is that of two. */
-bool trk_combine(struct trk_sample *sample);
-
-/* A direction in the head, by the sample's head pose if it has one. */
-void trk_to_world(const struct trk_sample *sample, const float head[3], float out_world[3]);
-
-/* Is that eye (0 left, 1 right) known to be under its lid? */
-bool trk_is_lid_down(const struct trk_sample *sample, int eye);
-
-/* Are the lids, as far as the sample tells, less than half open? An eye that is seen, and of whose lid
- * nothing is told, is open. *out_known is false if the sample does not tell. */
-bool trk_lids_closed(const struct trk_sample *sample, bool *out_known);
-
 /* How long nothing may be seen and be no event at all, a blink, and how much of what is seen before and after
  * a blink is the lid's doing. Tobii XR Ocumen bridges 75 ms; blinks of one protocol last up to 900 ms;
  * reading times are taken without 75 ms before and 150 ms after. */

@@ -1,6 +1,7 @@
 /* The events of a whole log: every sample gets a label, labels are mended by what came later, and runs of the
  * same label are events. */
 #include "events.h"
+#include "gaze.h"
 
 #include "arc.h"
 

@@ -8,6 +8,7 @@
 
 #include "error.h"
 #include "log/own.h"
+#include "log/rows.h"
 #include "source/source.h"
 
 #include <errno.h>

@@ -5,7 +5,6 @@
 #include "source/device.h"
 #include "source/source.h"
 
-#include <cglm/cglm.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -23,20 +22,6 @@ static const struct trk_driver *const drivers[] = {
     &trk_psvr2,
 };
 enum { DRIVERS = sizeof drivers / sizeof *drivers };
-
-bool trk_world_direction(const struct trk_sample *sample, float out_direction[3])
-{
-    if (!(sample->valid & TRK_DIRECTION)) return false;
-    vec3 direction;
-    memcpy(direction, sample->direction, sizeof direction);
-    if (sample->valid & TRK_HEAD) {
-        versor head; /* a copy: cglm's is aligned */
-        memcpy(head, &sample->head[3], sizeof head);
-        glm_quat_rotatev(head, direction, direction);
-    }
-    glm_vec3_normalize_to(direction, out_direction);
-    return true;
-}
 
 /* The first device that opens; without one the recording, a word on why, and an eye on what is plugged in. */
 static struct trk_source *open_auto(const struct trk_source_options *options, char out_error[TRK_ERROR_SIZE])

@@ -6,7 +6,7 @@
 
 #include "arc.h"
 #include "events.h"
-#include "log/log.h"
+#include "gaze.h"
 #include "log/samples.h"
 #include "source/observer.h"
 #include "tracker_samples.h"

@@ -5,7 +5,7 @@
 #include <stddef.h>
 #include <cmocka.h>
 
-#include "log/log.h"
+#include "log/lines.h"
 #include "log/own.h"
 #include "log/samples.h"
 #include "tracker.h"

@@ -5,7 +5,7 @@
 #include <stddef.h>
 #include <cmocka.h>
 
-#include "events.h"
+#include "gaze.h"
 #include "psvr2_packet.h"
 
 #include "../device/psvr2.h"

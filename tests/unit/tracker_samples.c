@@ -4,7 +4,7 @@
 #include <stddef.h>
 #include <cmocka.h>
 
-#include "events.h"
+#include "gaze.h"
 #include "log/samples.h"
 #include "tracker.h"
 #include "tracker_samples.h"

@@ -177,7 +177,8 @@ static bool init_screen(struct reader *reader, char out_error[TRK_ERROR_SIZE])
         fov_deg = 2 * atan(across / 2 / distance) * 180 / M_PI;
         what = "by the sidecar the screen is";
     }
-    return trk_plane_init(&reader->plane, reading, width, height, aspect, fov_deg, what, out_error) &&
+    return trk_plane_init(&reader->plane, reading, (double[]){width, height}, aspect, fov_deg, what,
+                          out_error) &&
            turn_to_origin(reader, out_error);
 }
 

@@ -2,7 +2,7 @@
 #ifndef FOVEAD_TRACKER_LOG_BIDS_H
 #define FOVEAD_TRACKER_LOG_BIDS_H
 
-#include "log/log.h"
+#include "log/reading.h"
 
 #include <jansson.h>
 

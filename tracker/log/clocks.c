@@ -1,5 +1,5 @@
 /* Clocks of logs: that they never go back, and that they run at all. */
-#include "log/log.h"
+#include "log/clocks.h"
 
 #include "error.h"
 #include "log/samples.h"

@@ -1,5 +1,5 @@
 /* From what devices record to our units and frame: frames, screens, and the fields of a sample. */
-#include "log/log.h"
+#include "log/convert.h"
 
 #include <cglm/cglm.h>
 #include <math.h>
@@ -30,7 +30,7 @@ struct trk_frame trk_reading_frame(const struct trk_reading *reading, const char
     return frame;
 }
 
-void trk_frame_turn(const struct trk_frame *frame, const float v[3], float out[3])
+static void turn(const struct trk_frame *frame, const float v[3], float out[3])
 {
     float turned[3];
     for (int i = 0; i < 3; i++) turned[i] = frame->sign[i] * v[frame->axis[i]];
@@ -52,8 +52,8 @@ bool trk_reading_signs(struct trk_reading *reading, const char *own, double out_
 
 /* --- screens -------------------------------------------------------------------------------------------- */
 
-bool trk_plane_init(struct trk_plane *plane, struct trk_reading *reading, double width, double height,
-                    double aspect, double own_fov_deg, const char *what, char out_error[TRK_ERROR_SIZE])
+bool trk_plane_init(struct trk_plane *plane, struct trk_reading *reading, const double size[2], double aspect,
+                    double own_fov_deg, const char *what, char out_error[TRK_ERROR_SIZE])
 {
     const struct trk_log_options *options = reading->options;
     double half = tan(own_fov_deg * M_PI / 360); /* half the width in distances */
@@ -64,10 +64,10 @@ bool trk_plane_init(struct trk_plane *plane, struct trk_reading *reading, double
         half = options->screen_width_m / 2 / options->screen_distance_m;
     else if (what)
         trk_assume(reading, "%s %.1f degrees wide", what, own_fov_deg);
-    plane->middle[0] = width / 2;
-    plane->middle[1] = height / 2;
-    plane->focal[0] = width / 2 / half;
-    plane->focal[1] = height / 2 / (half / aspect);
+    plane->middle[0] = size[0] / 2;
+    plane->middle[1] = size[1] / 2;
+    plane->focal[0] = size[0] / 2 / half;
+    plane->focal[1] = size[1] / 2 / (half / aspect);
     return true;
 }
 
@@ -101,7 +101,7 @@ void trk_set_direction(struct trk_sample *sample, int eye, const float direction
     if (!isfinite(length) || length < 1e-6) return;
     float *out = eye == 2 ? sample->direction : sample->eye[eye].direction;
     float unit[3] = {(float)(x / length), (float)(y / length), (float)(z / length)};
-    trk_frame_turn(frame, unit, out);
+    turn(frame, unit, out);
     sample->valid |= bit_of(eye, TRK_DIRECTION, TRK_LEFT_DIRECTION);
 }
 
@@ -113,7 +113,7 @@ void trk_set_origin(struct trk_sample *sample, int eye, const float origin[3], f
         v[i] = origin[i] * metres;
         if (!(fabsf(v[i]) < 1000)) return; /* an eye a kilometre off is a number gone wrong */
     }
-    trk_frame_turn(frame, v, eye == 2 ? sample->origin : sample->eye[eye].origin);
+    turn(frame, v, eye == 2 ? sample->origin : sample->eye[eye].origin);
     sample->valid |= bit_of(eye, TRK_ORIGIN, TRK_LEFT_ORIGIN);
 }
 

@@ -1,6 +1,6 @@
 /* Dialects: how programs and spreadsheets vary in writing the same rows. What is here holds for all formats.
  */
-#include "log/log.h"
+#include "log/dialect.h"
 
 #include <ctype.h>
 #include <math.h>

@@ -243,8 +243,8 @@ static bool init_plane(struct reader *reader, const struct segment *segment, con
     if (says && segment->first)
         trk_assume(reader->reading, "from sample %zu on coordinates are of %.0f x %.0f px",
                    segment->first + 1, width, height);
-    if (!trk_plane_init(out_plane, reader->reading, width, height, width / height * squeeze, fov_deg,
-                        says ? what : NULL, out_error))
+    if (!trk_plane_init(out_plane, reader->reading, (double[]){width, height}, width / height * squeeze,
+                        fov_deg, says ? what : NULL, out_error))
         return false;
     out_plane->middle[0] += edges[0];
     out_plane->middle[1] += edges[1];

@@ -1,6 +1,8 @@
 /* Files that people take for gaze logs and that are none: told by their first bytes or their header, and
  * refused by name, with what is wanted instead. */
-#include "log/log.h"
+#include "log/foreign.h"
+
+#include "log/table.h"
 
 #include <string.h>
 

@@ -1,25 +1,41 @@
-/* The log formats, each described at the top of its file. */
+/* formats: the table of log formats, and everything that a format is made with.
+ *
+ * A format is one file, which its own comment describes, with a `const struct trk_log_format`; a line in the
+ * table below; and a line in CMakeLists.txt. A log's format is recognised by what the file begins with, never
+ * by its name. */
 #ifndef FOVEAD_TRACKER_LOG_FORMATS_H
 #define FOVEAD_TRACKER_LOG_FORMATS_H
 
-#include "log/log.h"
+#include "gaze.h"
+#include "log/clocks.h"
+#include "log/convert.h"
+#include "log/dialect.h"
+#include "log/rows.h"
+#include "log/table.h"
 
-extern const struct trk_log_format trk_log_own;
-extern const struct trk_log_format trk_log_sranipal;
-extern const struct trk_log_format trk_log_salient360_static;
-extern const struct trk_log_format trk_log_salient360_dynamic;
-extern const struct trk_log_format trk_log_pupil_core;
-extern const struct trk_log_format trk_log_pupil_cloud;
-extern const struct trk_log_format trk_log_tobii_lab;
-extern const struct trk_log_format trk_log_glasses3;
-extern const struct trk_log_format trk_log_pico;
-extern const struct trk_log_format trk_log_eyelink;
-extern const struct trk_log_format trk_log_gazepoint;
-extern const struct trk_log_format trk_log_open_gaze;
-extern const struct trk_log_format trk_log_gazebase;
-extern const struct trk_log_format trk_log_gazebase_vr;
-extern const struct trk_log_format trk_log_arff;
-extern const struct trk_log_format trk_log_pymovements;
-extern const struct trk_log_format trk_log_bids;
+/* clang-format off */
+#define TRK_LOG_FORMATS(FORMAT) \
+    FORMAT(trk_log_own) \
+    FORMAT(trk_log_sranipal) \
+    FORMAT(trk_log_salient360_static) \
+    FORMAT(trk_log_salient360_dynamic) \
+    FORMAT(trk_log_pupil_core) \
+    FORMAT(trk_log_pupil_cloud) \
+    FORMAT(trk_log_tobii_lab) \
+    FORMAT(trk_log_glasses3) \
+    FORMAT(trk_log_pico) \
+    FORMAT(trk_log_eyelink) \
+    FORMAT(trk_log_gazepoint) \
+    FORMAT(trk_log_open_gaze) \
+    FORMAT(trk_log_gazebase) \
+    FORMAT(trk_log_gazebase_vr) \
+    FORMAT(trk_log_arff) \
+    FORMAT(trk_log_pymovements) \
+    FORMAT(trk_log_bids)
+/* clang-format on */
+
+#define TRK_LOG_DECLARE(format) extern const struct trk_log_format format;
+TRK_LOG_FORMATS(TRK_LOG_DECLARE)
+#undef TRK_LOG_DECLARE
 
 #endif

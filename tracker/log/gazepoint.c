@@ -151,7 +151,7 @@ static bool begin(struct reader *reader, char out_error[TRK_ERROR_SIZE])
     reader->tick_hz = DEFAULT_TICK_HZ;
     reader->fixation = NAN;
     reader->reading->clock_names[0] = names[TIME];
-    return trk_plane_init(&reader->plane, reader->reading, 1, 1, 16.0 / 9, TRK_SCREEN_FOV_DEG,
+    return trk_plane_init(&reader->plane, reader->reading, (double[]){1, 1}, 16.0 / 9, TRK_SCREEN_FOV_DEG,
                           "screen of 16:9", out_error);
 }
 

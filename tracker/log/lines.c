@@ -1,5 +1,5 @@
 /* Lines of a file, and plain numbers. */
-#include "log/log.h"
+#include "log/lines.h"
 
 #include "error.h"
 

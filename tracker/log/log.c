@@ -1,9 +1,7 @@
-/* Logs: the table of formats, how one is told from another, and what all readings share. */
-#include "log/log.h"
-
+/* Reading a log: how its format is recognised, which options go with it, and the checks at its end. */
 #include "error.h"
+#include "log/foreign.h"
 #include "log/formats.h"
-#include "log/own.h"
 #include "log/samples.h"
 
 #include <errno.h>
@@ -14,133 +12,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+/* clang-format off */
 static const struct trk_log_format *const formats[] = {
-    &trk_log_own,
-    &trk_log_sranipal,
-    &trk_log_salient360_static,
-    &trk_log_salient360_dynamic,
-    &trk_log_pupil_core,
-    &trk_log_pupil_cloud,
-    &trk_log_tobii_lab,
-    &trk_log_glasses3,
-    &trk_log_pico,
-    &trk_log_eyelink,
-    &trk_log_gazepoint,
-    &trk_log_open_gaze,
-    &trk_log_gazebase,
-    &trk_log_gazebase_vr,
-    &trk_log_arff,
-    &trk_log_pymovements,
-    &trk_log_bids,
+#define ROW(format) &format,
+    TRK_LOG_FORMATS(ROW)
+#undef ROW
 };
+/* clang-format on */
 enum { FORMATS = sizeof formats / sizeof *formats };
-
-/* --- what all readings share ---------------------------------------------------------------------------- */
-
-void trk_assume(struct trk_reading *reading, const char *format, ...)
-{
-    char *assumed = reading->log->assumed;
-    size_t length = strlen(assumed);
-    va_list arguments;
-    if (length >= TRK_ASSUMED_SIZE - 3) return;
-    if (length) length += (size_t)sprintf(assumed + length, "; ");
-    va_start(arguments, format);
-    vsnprintf(assumed + length, TRK_ASSUMED_SIZE - length, format, arguments);
-    va_end(arguments);
-    trk_make_printable(assumed + length); /* what a file names its columns */
-}
-
-static bool append(struct trk_reading *reading, const struct trk_sample *sample,
-                   char out_error[TRK_ERROR_SIZE])
-{
-    struct trk_log *log = reading->log;
-    if (sample->device_ns > TRK_MAX_DEVICE_NS)
-        return trk_check_clocks(reading, out_error) &&
-               trk_lines_fail(&reading->lines, out_error, "device time is %.0f days, expected at most %.0f",
-                              (double)sample->device_ns / 86400e9, (double)TRK_MAX_DEVICE_NS / 86400e9);
-    if (log->count == TRK_MAX_ROWS)
-        return trk_lines_fail(&reading->lines, out_error, "is one row too many, expected at most %d",
-                              TRK_MAX_ROWS);
-    if (!trk_samples_add(log, sample))
-        return trk_lines_fail(&reading->lines, out_error, "no memory for more than %zu samples", log->count);
-    reading->last_ns = sample->device_ns;
-    reading->last_arrival_ns = sample->arrival_ns;
-    reading->last_sequence = sample->sequence;
-    return true;
-}
-
-bool trk_log_append(struct trk_reading *reading, const struct trk_sample *sample,
-                    char out_error[TRK_ERROR_SIZE])
-{
-    uint64_t slack = reading->disordered ? TRK_MAX_DISORDER_NS : 0;
-    if (sample->device_ns + slack < reading->last_ns)
-        return trk_lines_fail(&reading->lines, out_error, "device time goes back by %llu ns, expected %s",
-                              (unsigned long long)(reading->last_ns - sample->device_ns),
-                              slack ? "less than a second" : "it never to");
-    if (sample->arrival_ns + slack < reading->last_arrival_ns)
-        return trk_lines_fail(&reading->lines, out_error,
-                              "arrival time goes back by %llu ns, expected it never to",
-                              (unsigned long long)(reading->last_arrival_ns - sample->arrival_ns));
-    if (sample->sequence <= reading->last_sequence)
-        return trk_lines_fail(&reading->lines, out_error, "sequence %llu, expected more than %llu",
-                              (unsigned long long)sample->sequence,
-                              (unsigned long long)reading->last_sequence);
-    if (sample->device_ns < reading->last_ns) reading->late++;
-    return append(reading, sample, out_error);
-}
-
-/* Where a sample is, and when it was. */
-struct moment {
-    uint64_t device_ns;
-    size_t place;
-};
-
-static int by_time(const void *a, const void *b)
-{
-    const struct moment *x = a, *y = b;
-    if (x->device_ns != y->device_ns) return x->device_ns > y->device_ns ? 1 : -1;
-    return (x->place > y->place) - (x->place < y->place);
-}
-
-/* Samples of the same time stay as they are. False when memory is short. */
-static bool sort(struct trk_log *log)
-{
-    struct moment *moments = malloc(log->count * sizeof *moments);
-    struct trk_log sorted = {0};
-    bool ok = moments != NULL;
-    for (size_t i = 0; i < log->count && ok; i++) moments[i] = (struct moment){trk_log_time(log, i), i};
-    if (ok) qsort(moments, log->count, sizeof *moments, by_time);
-    for (size_t i = 0; i < log->count && ok; i++) {
-        struct trk_sample sample;
-        trk_log_sample(log, moments[i].place, &sample);
-        ok = trk_samples_add(&sorted, &sample);
-    }
-    free(moments);
-    trk_samples_destroy(ok ? log->samples : sorted.samples);
-    if (ok) log->samples = sorted.samples;
-    return ok;
-}
-
-/* Sort a disordered log, whose times start at TRK_MAX_DISORDER_NS so that none is below 0, and count anew.
- * False when memory is short. */
-static bool put_in_order(struct trk_reading *reading)
-{
-    struct trk_log *log = reading->log;
-    if (reading->late) {
-        if (!sort(log)) return false;
-        trk_assume(reading, "rows out of order, sorted by time: %zu", reading->late);
-    }
-    const uint64_t first_ns = trk_log_time(log, 0);
-    for (size_t i = 0; i < log->count; i++) {
-        struct trk_sample sample;
-        trk_log_sample(log, i, &sample);
-        sample.device_ns -= first_ns;
-        sample.arrival_ns = sample.device_ns;
-        sample.sequence = i + 1;
-        if (!trk_samples_put(log, i, &sample)) return false;
-    }
-    return true;
-}
 
 /* --- which format --------------------------------------------------------------------------------------- */
 
@@ -187,14 +66,6 @@ static const struct trk_log_format *by_name(const char *name, char out_error[TRK
 }
 
 /* --- reading -------------------------------------------------------------------------------------------- */
-
-void trk_note_source(struct trk_log *log, int fd)
-{
-    struct stat status;
-    if (fstat(fd, &status) != 0 || log->source_count == TRK_MAX_SOURCES) return;
-    log->sources[log->source_count].device = status.st_dev;
-    log->sources[log->source_count++].inode = status.st_ino;
-}
 
 bool trk_log_is_from(const struct trk_log *log, const char *path)
 {
@@ -283,7 +154,7 @@ static bool read_reading(struct trk_reading *reading, char out_error[TRK_ERROR_S
     if (!reading->format->read(reading, out_error)) return false;
     if (reading->log->count == 0)
         return trk_fail(out_error, "%s: holds no samples, expected at least one row after the header", path);
-    if (reading->disordered && !put_in_order(reading)) return trk_fail(out_error, "%s: no memory", path);
+    if (reading->disordered && !trk_rows_sort(reading)) return trk_fail(out_error, "%s: no memory", path);
     if (!trk_check_clocks(reading, out_error)) return false;
     if (!trk_samples_pack(reading->log)) return trk_fail(out_error, "%s: no memory", path);
     if (reading->eyes_mean)

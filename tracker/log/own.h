@@ -24,7 +24,7 @@
 #ifndef FOVEAD_TRACKER_LOG_OWN_H
 #define FOVEAD_TRACKER_LOG_OWN_H
 
-#include "log/log.h"
+#include "tracker.h"
 
 /* Room for the first two lines, and for the line of one sample, bytes. */
 enum { TRK_OWN_SIZE = 4096 };

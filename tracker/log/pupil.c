@@ -196,7 +196,7 @@ static bool init_camera(struct core *core, struct trk_plane *out_camera, char ou
     const bool is_told = options->screen_fov_deg > 0 || options->screen_width_m > 0;
     double middle[2], focal[2];
     bool is_known = !is_told && solve(core, 0, &middle[0], &focal[0]);
-    if (!trk_plane_init(out_camera, reading, 1, 1, 16.0 / 9, SCENE_FOV_DEG,
+    if (!trk_plane_init(out_camera, reading, (double[]){1, 1}, 16.0 / 9, SCENE_FOV_DEG,
                         is_known ? NULL : "no 3-D gaze: norm_pos through a scene camera", out_error))
         return false;
     if (!is_known) return true;

@@ -1,5 +1,5 @@
 /* Several recordings in one table: rows of different participants or recordings are not one gaze. */
-#include "log/log.h"
+#include "log/recording.h"
 
 #include "error.h"
 
@@ -34,19 +34,19 @@ static bool is_wanted(const struct trk_recording *recording, const char *option)
 }
 
 /* "" where the row does not say. */
-static void take(char out[TRK_RECORDING_SIZE], const struct trk_table *table, int column)
+static void take(char out[TRK_RECORDING_SIZE], const char *field_or_null)
 {
-    const char *field = column < 0 ? "" : table->fields[column];
+    const char *field = field_or_null ? field_or_null : "";
     snprintf(out, TRK_RECORDING_SIZE, "%s", strcasecmp(field, "n/a") == 0 ? "" : field);
 }
 
-enum trk_recording_row trk_recording_of_row(struct trk_table *table)
+enum trk_recording_row trk_recording_of_row(struct trk_reading *reading, const char *participant,
+                                            const char *name)
 {
-    struct trk_reading *reading = table->reading;
     const char *option = reading->options->recording;
     struct trk_recording recording;
-    take(recording.participant, table, table->participant);
-    take(recording.name, table, table->recording);
+    take(recording.participant, participant);
+    take(recording.name, name);
     if (!*recording.participant && !*recording.name)
         return option ? TRK_RECORDING_OTHER : TRK_RECORDING_WANTED;
     size_t i = 0;
@@ -81,13 +81,12 @@ static void list(const struct trk_reading *reading, bool of_option, char *out_te
     if (reading->has_more_recordings) snprintf(out_text + used, size - used, " and more");
 }
 
-bool trk_recording_is_met(const struct trk_table *table, char out_error[TRK_ERROR_SIZE])
+bool trk_recording_is_met(const struct trk_reading *reading, bool has_columns, char out_error[TRK_ERROR_SIZE])
 {
-    const struct trk_reading *reading = table->reading;
     const char *option = reading->options->recording;
     char names[TRK_ERROR_SIZE / 2];
     const size_t wanted = reading->recordings_wanted;
-    if (option && table->participant < 0 && table->recording < 0)
+    if (option && !has_columns)
         return trk_fail(out_error, "%s: has no column that tells recordings apart, expected no --recording",
                         reading->lines.path);
     if (option && reading->has_more_recordings)

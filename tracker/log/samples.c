@@ -13,7 +13,7 @@
  * samples are replaced. */
 #include "log/samples.h"
 
-#include "events.h"
+#include "gaze.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,10 @@
 /* Tables: columns by name, rows, numbers that may be missing. */
-#include "log/log.h"
+#include "log/table.h"
+
+#include "log/clocks.h"
+#include "log/dialect.h"
+#include "log/recording.h"
+#include "log/rows.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -161,20 +166,32 @@ static enum trk_line next_row(struct trk_table *table, bool is_taken, char out_e
     }
 }
 
+static enum trk_recording_row recording_of_row(struct trk_table *table)
+{
+    return trk_recording_of_row(table->reading,
+                                table->participant < 0 ? NULL : table->fields[table->participant],
+                                table->recording < 0 ? NULL : table->fields[table->recording]);
+}
+
+static bool is_recording_met(const struct trk_table *table, char out_error[TRK_ERROR_SIZE])
+{
+    return trk_recording_is_met(table->reading, table->participant >= 0 || table->recording >= 0, out_error);
+}
+
 static enum trk_line next_of_recording(struct trk_table *table, bool is_taken, char out_error[TRK_ERROR_SIZE])
 {
     for (;; is_taken = false) {
         enum trk_line line = next_row(table, is_taken, out_error);
         if (line == TRK_LINE_FAILED) return line;
-        if (line == TRK_LINE_END) return trk_recording_is_met(table, out_error) ? line : TRK_LINE_FAILED;
-        switch (trk_recording_of_row(table)) {
+        if (line == TRK_LINE_END) return is_recording_met(table, out_error) ? line : TRK_LINE_FAILED;
+        switch (recording_of_row(table)) {
         case TRK_RECORDING_WANTED:
             return TRK_LINE;
         case TRK_RECORDING_OTHER:
             break;
         case TRK_RECORDING_SEVERAL:
-            while (next_row(table, false, out_error) == TRK_LINE) trk_recording_of_row(table);
-            return trk_recording_is_met(table, out_error) ? TRK_LINE_END : TRK_LINE_FAILED;
+            while (next_row(table, false, out_error) == TRK_LINE) recording_of_row(table);
+            return is_recording_met(table, out_error) ? TRK_LINE_END : TRK_LINE_FAILED;
         }
     }
 }

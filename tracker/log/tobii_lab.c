@@ -176,8 +176,8 @@ static bool begin_plane(struct reader *reader, char out_error[TRK_ERROR_SIZE])
         height = 1080;
         trk_assume(reading, "display of 1920 x 1080 px");
     }
-    return trk_plane_init(&reader->plane, reading, width, height, width / height, TRK_SCREEN_FOV_DEG,
-                          "screen", out_error);
+    return trk_plane_init(&reader->plane, reading, (double[]){width, height}, width / height,
+                          TRK_SCREEN_FOV_DEG, "screen", out_error);
 }
 
 static bool is_valid(const struct reader *reader, int eye)

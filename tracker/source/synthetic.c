@@ -2,7 +2,8 @@
 #include "source/source.h"
 
 #include "error.h"
-#include "log/log.h"
+#include "log/lines.h"
+#include "log/rows.h"
 #include "log/samples.h"
 #include "source/observer.h"
 

@@ -1,0 +1,27 @@
+/* The gaze of one sample: which eyes to believe, and where they look together. */
+#ifndef FOVEAD_TRACKER_GAZE_H
+#define FOVEAD_TRACKER_GAZE_H
+
+#include "tracker.h"
+
+/* The gaze of a sample: combined if there is one, else the mean of both eyes, else that of one whose lid is
+ * not down. False if there is none, or if the lids are down: what a device goes on reporting then is the eye
+ * that rolls under its lid. out_source, which may be NULL, says which: "both eyes", "left eye", "right eye".
+ */
+bool trk_gaze_direction(const struct trk_sample *sample, float out_head[3], const char **out_source);
+
+/* The combined gaze and its origin, where the sample has none: the mean of the eyes that are valid; one is
+ * enough. True if it is that of two. */
+bool trk_combine(struct trk_sample *sample);
+
+/* A direction in the head, by the sample's head pose if it has one. */
+void trk_to_world(const struct trk_sample *sample, const float head[3], float out_world[3]);
+
+/* Is that eye (0 left, 1 right) known to be under its lid? */
+bool trk_is_lid_down(const struct trk_sample *sample, int eye);
+
+/* Are the lids, as far as the sample tells, less than half open? An eye that is seen, and of whose lid
+ * nothing is told, is open. *out_known is false if the sample does not tell. */
+bool trk_lids_closed(const struct trk_sample *sample, bool *out_known);
+
+#endif
