@@ -25,7 +25,7 @@ static const float STALE_COSINE = 0.99985f;
 
 struct dmn_gaze {
     struct trk_source *source; /* read by one thread; trk_push() and trk_interrupt() by any */
-    bool is_auto, virtual_clock;
+    bool waits_after_end, virtual_clock;
     pthread_t thread;
     bool started;
     atomic_bool stop;
@@ -69,16 +69,11 @@ static const char *shipped_log(char *buffer, size_t size)
     return FOVEAD_FIXTURES "/hall.gaze";
 }
 
-static bool is_device(const char *spec)
-{
-    return !strcmp(spec, "hid") || !strncmp(spec, "hid:", 4) || !strcmp(spec, "psvr2");
-}
-
 static bool open_source(struct dmn_gaze *gaze, const struct dmn_options *options,
                         char out_error[TRK_ERROR_SIZE])
 {
     char buffer[4096];
-    const bool pointer = !strcmp(options->gaze, "pointer");
+    const struct trk_source_kind *kind = trk_source_kind_find(options->gaze);
     struct trk_source_options source = {.spec = options->gaze,
                                         .screen = options->screen,
                                         .calibration = options->calibration,
@@ -86,24 +81,23 @@ static bool open_source(struct dmn_gaze *gaze, const struct dmn_options *options
                                         .speed = options->speed,
                                         .loop = options->loop,
                                         .virtual_clock = options->virtual_clock};
-    /* A pointer is where its user puts it, and stays there. */
-    struct trk_attention_options attention = {
-        .raw = options->raw_gaze || pointer, .predict = options->predict, .silence_is_rest = pointer};
+    struct trk_attention_options attention = {.raw = options->raw_gaze, .predict = options->predict};
 
-    gaze->is_auto = !strcmp(options->gaze, "auto");
     if (options->calibration && access(options->calibration, R_OK)) {
         snprintf(out_error, TRK_ERROR_SIZE, "%.400s: %s", options->calibration, strerror(errno));
         return false;
     }
     if (!(gaze->source = trk_open(&source, out_error))) return false;
+    gaze->waits_after_end = kind->waits_after_end;
+    if (!kind->follows_eye) attention.raw = true; /* it is where its user puts it */
+    attention.silence_is_rest = kind->rests_when_silent;
     if (!(gaze->attention = trk_attention_create(&attention))) {
         snprintf(out_error, TRK_ERROR_SIZE, "out of memory");
         return false;
     }
     trk_get_status(gaze->source, &gaze->status);
     /* What was made for a headset that had slipped is not for recordings. */
-    gaze->has_rotation = (gaze->is_auto || is_device(options->gaze)) && !options->virtual_clock &&
-                         dmn_state_load(gaze->rotation);
+    gaze->has_rotation = kind->is_device && !options->virtual_clock && dmn_state_load(gaze->rotation);
     return true;
 }
 
@@ -245,9 +239,8 @@ static bool read_one(struct dmn_gaze *gaze, uint64_t until_ns, enum trk_result *
     pthread_mutex_lock(&gaze->lock);
     /* When a recording has ended, gaze is still where that left it, until a tracker says otherwise. */
     if (*out_result == TRK_SAMPLE || (*out_result == TRK_TIMEOUT && !gaze->ended)) note_status(gaze, &status);
-    /* auto goes on to wait for a device when its recording has ended. */
     more = *out_result == TRK_SAMPLE || *out_result == TRK_TIMEOUT ||
-           (*out_result == TRK_END && gaze->is_auto && !gaze->ended);
+           (*out_result == TRK_END && gaze->waits_after_end && !gaze->ended);
     *out_news = true;
     if (*out_result == TRK_SAMPLE)
         accept(gaze, &sample, now_ns);

@@ -9,7 +9,7 @@
 #include "error.h"
 #include "log/own.h"
 #include "log/rows.h"
-#include "source/source.h"
+#include "system.h"
 
 #include <errno.h>
 #include <pthread.h>
@@ -93,12 +93,10 @@ static void sync_to_disk(struct trk_recorder *r)
 static bool take_batch(struct trk_recorder *r, bool again, size_t *out_count, size_t *out_length)
 {
     uint64_t wake_ns = trk_now_ns() + write_period_ns;
-    struct timespec wake = {.tv_sec = (time_t)(wake_ns / 1000000000),
-                            .tv_nsec = (long)(wake_ns % 1000000000)};
     size_t length = 0;
     pthread_mutex_lock(&r->lock);
     while (!r->closing && !again && (r->state.failing || r->count < QUEUE / 2))
-        if (pthread_cond_timedwait(&r->changed, &r->lock, &wake) == ETIMEDOUT) break;
+        if (!trk_condition_wait(&r->changed, &r->lock, wake_ns)) break;
     size_t n = r->count < BATCH ? r->count : BATCH, first = r->first;
     bool more = n > 0 || !r->closing;
     pthread_mutex_unlock(&r->lock);
@@ -180,7 +178,6 @@ static void destroy(struct trk_recorder *r)
 struct trk_recorder *trk_recorder_start(int fd, const char *path, char out_error[TRK_ERROR_SIZE])
 {
     struct trk_recorder *r = calloc(1, sizeof *r);
-    pthread_condattr_t monotonic;
     struct stat status;
     if (!r || !(r->path = strdup(path))) {
         trk_fail(out_error, "%s: no memory to record", path);
@@ -190,10 +187,7 @@ struct trk_recorder *trk_recorder_start(int fd, const char *path, char out_error
     }
     r->fd = fd;
     pthread_mutex_init(&r->lock, NULL);
-    pthread_condattr_init(&monotonic);
-    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
-    pthread_cond_init(&r->changed, &monotonic);
-    pthread_condattr_destroy(&monotonic);
+    trk_condition_init(&r->changed);
     r->sync_ns = trk_now_ns();
     if (fstat(fd, &status) != 0) {
         trk_fail(out_error, "%s: cannot record: %s", path, strerror(errno));

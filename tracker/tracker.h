@@ -162,6 +162,26 @@ void trk_log_finish(struct trk_log *log);
 
 struct trk_source;
 
+/* A kind of gaze source, and what it can do. */
+struct trk_source_kind {
+    const char *name;       /* what trk_source_options.spec says, before the colon if it has one */
+    const char *argument;   /* how a user may go on after the name: ":FILE", "[:PATH]"; "": not at all */
+    const char *summary;    /* what it is, for --help */
+    bool is_device;         /* it is an eye tracker that is plugged in, or becomes one */
+    bool takes_screen;      /* trk_source_options.screen is for it */
+    bool takes_calibration; /* trk_source_options.calibration is for it */
+    bool follows_eye;       /* its samples are those of an eye, and not of a hand that points */
+    bool rests_when_silent; /* it speaks only when gaze moves: silence is no loss */
+    bool needs_real_clock;  /* its samples come from outside, when they happen */
+    bool ends;              /* unless trk_source_options.loop is set, it comes to an end */
+    bool waits_after_end;   /* for an eye tracker: trk_read() may deliver samples after TRK_END */
+};
+
+/* The kinds that there are, by index from 0: NULL after the last one; and the one that a spec names: NULL if
+ * there is none. Static. */
+const struct trk_source_kind *trk_source_kind_at(size_t index);
+const struct trk_source_kind *trk_source_kind_find(const char *spec);
+
 /* The screen that an eye tracker on a desk looks from; 0 is unknown. */
 struct trk_screen {
     float width_m, height_m; /* of the calibrated area */
@@ -169,12 +189,11 @@ struct trk_screen {
 };
 
 struct trk_source_options {
-    /* "auto", "hid", "hid:PATH", "psvr2", "replay:FILE", "synthetic", "synthetic:SEED" or "pointer". */
-    const char *spec;
-    /* hid: what is known here goes before what the device says; what neither knows is that of a usual desk:
+    const char *spec; /* NAME or NAME:ARGUMENT of a kind */
+    /* What is known here goes before what the device says; what neither knows is that of a usual desk:
      * 0.531 x 0.299 m (24 inches) at 0.65 m. Sizes from 0.01 to 20 m. */
     struct trk_screen screen;
-    /* psvr2: a file with the user's calibration, as the device gave it once, which is sent to the device;
+    /* A file with the user's calibration, as the device gave it once, which is sent to the device;
      * NULL: none. */
     const char *calibration;
     /* auto: the recording to replay when no device is present. */
@@ -211,13 +230,10 @@ enum trk_result {
 struct trk_source *trk_open(const struct trk_source_options *options, char out_error[TRK_ERROR_SIZE]);
 void trk_close(struct trk_source *source); /* accepts NULL */
 
-/* One line on what this source is and, for "auto", why: static for the source's life. For example
- * "replay of fixtures/hall.gaze: 2400 samples, 20.0 s, 120 Hz, head pose (no eye tracker found)". */
-const char *trk_describe(const struct trk_source *source);
-
 /* What a source is doing. */
 struct trk_status {
-    /* trk_describe(), but of a device what is so now: which one it is, or what is waited for and why. */
+    /* One line on what the source is. For example "replay of fixtures/hall.gaze: 2400 samples, 20.0 s, 120
+     * Hz, head pose (no eye tracker found)". Of a device: which one it is, or what is waited for and why. */
     char description[TRK_ERROR_SIZE];
     bool is_device;   /* this is of an eye tracker */
     bool present;     /* it is plugged in and open */

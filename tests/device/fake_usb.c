@@ -129,7 +129,7 @@ static void take_control(struct fake_device *device, struct urb *urb)
     raw(urb)->status = 0;
     raw(urb)->actual_length = 8;
     if (setup[10] == 1 && device->starts == device->stops) device->starts++;
-    if (setup[10] == 2) device->stops++;
+    if (setup[10] == 2 && device->starts > device->stops) device->stops++; /* none before the first start */
 }
 
 static int submit(struct fake_device *device, UMockdevIoctlClient *client, UMockdevIoctlData *data)

@@ -140,7 +140,9 @@ int main(int count, char **arguments)
     reader.source = trk_open(&source_options, error);
     pthread_t thread;
     if (reader.source && pthread_create(&thread, NULL, read_gaze, &reader) == 0) {
-        fprintf(stderr, "%s\n", trk_describe(reader.source));
+        struct trk_status status;
+        trk_get_status(reader.source, &status);
+        fprintf(stderr, "%s\n", status.description);
         render_until(render, &gaze, samples);
         atomic_store(&reader.stop, true);
         pthread_join(thread, NULL);

@@ -18,21 +18,35 @@
 #include <time.h>
 
 struct kind {
-    const char *usage; /* as the table has it */
-    const char *spec;
-    bool is_device, is_pushed; /* it delivers what is there, or what is pushed */
-    bool present;              /* of a device: plugged in */
+    const struct trk_source_kind *row;
+    char spec[sizeof "replay:" FIXTURES "/hall.gaze"];
+    bool waits, is_pushed; /* without a device it delivers nothing; it delivers what is pushed */
+    bool present;          /* of a device: plugged in */
 };
 
-static struct kind kinds[] = {
-    {.usage = "auto", .spec = "auto"},
-    {.usage = "hid[:PATH]", .spec = "hid", .is_device = true},
-    {.usage = "psvr2", .spec = "psvr2", .is_device = true},
-    {.usage = "replay:FILE", .spec = "replay:" FIXTURES "/hall.gaze"},
-    {.usage = "synthetic[:SEED]", .spec = "synthetic"},
-    {.usage = "pointer", .spec = "pointer", .is_pushed = true},
-};
-enum { KINDS = sizeof kinds / sizeof *kinds };
+/* Every row of the table: those that have no test here are found by it all the same. */
+static struct kind kinds[32];
+static int kinds_count;
+
+static void find_kinds(void)
+{
+    const struct trk_source_kind *row;
+    for (; (row = trk_source_kind_at((size_t)kinds_count)); kinds_count++) {
+        struct kind *kind = &kinds[kinds_count];
+        assert_true(kinds_count < (int)(sizeof kinds / sizeof *kinds));
+        *kind = (struct kind){.row = row, .is_pushed = !row->follows_eye};
+        kind->waits = row->is_device && !row->ends;
+        snprintf(kind->spec, sizeof kind->spec, "%s%s", row->name,
+                 *row->argument == ':' ? ":" FIXTURES "/hall.gaze" : "");
+    }
+}
+
+static struct kind *kind_of(const char *name)
+{
+    for (int i = 0; i < kinds_count; i++)
+        if (strcmp(kinds[i].row->name, name) == 0) return &kinds[i];
+    return NULL;
+}
 
 static uint64_t now_ns(void)
 {
@@ -49,7 +63,7 @@ static void pause_ms(int ms)
 /* Does it deliver by itself? */
 static bool delivers(const struct kind *kind)
 {
-    return !kind->is_pushed && (!kind->is_device || kind->present);
+    return !kind->is_pushed && (!kind->waits || kind->present);
 }
 
 static struct trk_source *open_kind(const struct kind *kind)
@@ -62,20 +76,50 @@ static struct trk_source *open_kind(const struct kind *kind)
     return source;
 }
 
-/* The suite is of every source in the table: what an unknown name is told must be what is above. */
-static void every_source_is_here(void **state)
+static void refused(const char *spec, const char *expected)
+{
+    char error[TRK_ERROR_SIZE] = "";
+    struct trk_source_options options = {.spec = spec, .speed = 1};
+    assert_null(trk_open(&options, error));
+    if (!strstr(error, expected)) fail_msg("%s: %s", spec, error);
+}
+
+/* What a user may write is what the rows say; and an unknown name is told all of them. */
+static void rows_say_how_to_write_them(void **state)
 {
     (void)state;
-    char error[TRK_ERROR_SIZE] = "", expected[256] = "";
-    struct trk_source_options options = {.spec = "?"};
-    for (int i = 0; i < KINDS; i++) {
-        size_t end = strlen(expected);
-        snprintf(expected + end, sizeof expected - end, "%s%s", i ? ", " : "", kinds[i].usage);
+    refused("?", "unknown gaze source '?', expected one of auto, hid[:PATH], psvr2, replay:FILE, "
+                 "synthetic[:SEED], pointer");
+    for (int i = 0; i < kinds_count; i++) {
+        const struct trk_source_kind *row = kinds[i].row;
+        char spec[64];
+        assert_ptr_equal(trk_source_kind_find(kinds[i].spec), row);
+        assert_true(*row->summary && !strchr(row->summary, '\n'));
+        snprintf(spec, sizeof spec, "%.50sx", row->name);
+        assert_null(trk_source_kind_find(spec));
+        snprintf(spec, sizeof spec, "%.50s:x", row->name);
+        if (!*row->argument) refused(spec, "which takes no argument");
+        if (*row->argument == ':') refused(row->name, "expected");
     }
-    assert_null(trk_open(&options, error));
-    const char *list = strstr(error, "expected one of ");
-    assert_non_null(list);
-    assert_string_equal(list + strlen("expected one of "), expected);
+    assert_null(trk_source_kind_find(""));
+}
+
+/* What the rows say of devices holds for whatever is open: by it a rotation of recentring is kept and used.
+ */
+static void rows_tell_devices(void **state)
+{
+    (void)state;
+    for (int i = 0; i < kinds_count; i++) {
+        const struct trk_source_kind *row = kinds[i].row;
+        struct trk_source *source = open_kind(&kinds[i]);
+        struct trk_status status;
+        trk_get_status(source, &status);
+        assert_true(!status.is_device || row->is_device);
+        if (row->is_device && !row->ends) assert_true(status.is_device);
+        assert_true(row->is_device || !(row->takes_screen || row->takes_calibration || row->waits_after_end));
+        assert_true(!row->is_device || row->follows_eye);
+        trk_close(source);
+    }
 }
 
 static void check_order(const struct kind *kind, const struct trk_sample *last,
@@ -95,7 +139,7 @@ static void check_order(const struct kind *kind, const struct trk_sample *last,
 static void samples_are_in_order(void **state)
 {
     (void)state;
-    for (int i = 0; i < KINDS; i++) {
+    for (int i = 0; i < kinds_count; i++) {
         const struct kind *kind = &kinds[i];
         struct trk_source *source = open_kind(kind);
         struct trk_sample last = {0}, sample;
@@ -121,7 +165,7 @@ static void samples_are_in_order(void **state)
 static void reads_end_in_time(void **state)
 {
     (void)state;
-    for (int i = 0; i < KINDS; i++) {
+    for (int i = 0; i < kinds_count; i++) {
         struct trk_source *source = open_kind(&kinds[i]);
         struct trk_sample sample;
         char error[TRK_ERROR_SIZE];
@@ -156,7 +200,7 @@ static void *read_until_stopped(void *argument)
 static void interrupt_ends_any_wait(void **state)
 {
     (void)state;
-    for (int i = 0; i < KINDS; i++)
+    for (int i = 0; i < kinds_count; i++)
         for (int k = 0; k < 8; k++) {
             struct reader reader = {.source = open_kind(&kinds[i])};
             pthread_t thread;
@@ -174,7 +218,7 @@ static void interrupt_ends_any_wait(void **state)
 static void interrupt_before_a_read(void **state)
 {
     (void)state;
-    for (int i = 0; i < KINDS; i++) {
+    for (int i = 0; i < kinds_count; i++) {
         struct trk_source *source = open_kind(&kinds[i]);
         struct trk_sample sample;
         char error[TRK_ERROR_SIZE];
@@ -192,12 +236,13 @@ static void interrupt_before_a_read(void **state)
 static void status_while_reading(void **state)
 {
     (void)state;
-    for (int i = 0; i < KINDS; i++) {
+    for (int i = 0; i < kinds_count; i++) {
         struct reader reader = {.source = open_kind(&kinds[i])};
         char first[TRK_ERROR_SIZE];
         struct trk_status status;
         pthread_t thread;
-        snprintf(first, sizeof first, "%s", trk_describe(reader.source));
+        trk_get_status(reader.source, &status);
+        memcpy(first, status.description, sizeof first);
         assert_true(*first && !strchr(first, '\n'));
         assert_int_equal(pthread_create(&thread, NULL, read_until_stopped, &reader), 0);
         for (int k = 0; k < 20; k++) {
@@ -206,14 +251,14 @@ static void status_while_reading(void **state)
             assert_true(!status.present || status.connections > 0);
             pause_ms(1);
         }
-        if (kinds[i].is_device) {
+        if (kinds[i].waits) {
             assert_true(status.is_device);
             assert_int_equal(status.present, kinds[i].present);
         }
         atomic_store(&reader.stop, true);
         trk_interrupt(reader.source);
         pthread_join(thread, NULL);
-        assert_string_equal(trk_describe(reader.source), first);
+        if (!kinds[i].row->is_device) assert_string_equal(status.description, first);
         trk_close(reader.source);
     }
 }
@@ -221,7 +266,7 @@ static void status_while_reading(void **state)
 static void only_a_pointer_is_pushed(void **state)
 {
     (void)state;
-    for (int i = 0; i < KINDS; i++) {
+    for (int i = 0; i < kinds_count; i++) {
         struct trk_source *source = open_kind(&kinds[i]);
         assert_int_equal(trk_push(source, (float[3]){0, 0, -1}, now_ns()), kinds[i].is_pushed);
         assert_false(trk_push(source, (float[3]){NAN, 0, -1}, now_ns()));
@@ -229,18 +274,19 @@ static void only_a_pointer_is_pushed(void **state)
     }
 }
 
-/* The same times asked for twice give the same samples, bit for bit; devices have no virtual clock. */
+/* The same times asked for twice give the same samples, bit for bit; what happens outside has no virtual
+ * clock. */
 static void virtual_clock_is_repeatable(void **state)
 {
     (void)state;
-    for (int i = 0; i < KINDS; i++) {
+    for (int i = 0; i < kinds_count; i++) {
         char error[TRK_ERROR_SIZE] = "";
         struct trk_source *source[2];
         struct trk_source_options options = {
             .spec = kinds[i].spec, .fallback_log = FIXTURES "/hall.gaze", .speed = 1, .virtual_clock = true};
         source[0] = trk_open(&options, error);
-        assert_true(!source[0] == kinds[i].is_device);
-        if (kinds[i].is_device) continue;
+        assert_true(!source[0] == kinds[i].row->needs_real_clock);
+        if (!source[0]) continue;
         assert_non_null(source[1] = trk_open(&options, error));
         for (uint64_t time_ns = 0; time_ns < 2000000000; time_ns += 3000000) {
             struct trk_sample sample[2];
@@ -267,7 +313,8 @@ static void the_end(void **state)
                                              .speed = i == 1 ? 1 : 0,
                                              .seconds = 0.1};
         bool is_auto = strcmp(ending[i], "auto") == 0;
-        if (is_auto && (kinds[1].present || kinds[2].present)) continue;
+        assert_true(trk_source_kind_find(ending[i])->waits_after_end == is_auto);
+        if (is_auto && (kind_of("hid")->present || kind_of("psvr2")->present)) continue;
         struct trk_source *source = trk_open(&options, error);
         assert_non_null(source);
         struct trk_sample sample;
@@ -285,25 +332,21 @@ static void the_end(void **state)
 static void opened_and_closed(void **state)
 {
     (void)state;
-    for (int i = 0; i < KINDS; i++)
+    for (int i = 0; i < kinds_count; i++)
         for (int k = 0; k < 20; k++) trk_close(open_kind(&kinds[i]));
 }
 
 int main(int count, char **arguments)
 {
+    find_kinds();
     for (int a = 1; a < count; a++)
-        for (int i = 0; i < KINDS; i++)
-            if (strcmp(arguments[a], kinds[i].spec) == 0) kinds[i].present = true;
+        if (kind_of(arguments[a])) kind_of(arguments[a])->present = true;
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_source_is_here),
-        cmocka_unit_test(samples_are_in_order),
-        cmocka_unit_test(reads_end_in_time),
-        cmocka_unit_test(interrupt_ends_any_wait),
-        cmocka_unit_test(interrupt_before_a_read),
-        cmocka_unit_test(status_while_reading),
-        cmocka_unit_test(only_a_pointer_is_pushed),
-        cmocka_unit_test(virtual_clock_is_repeatable),
-        cmocka_unit_test(the_end),
+        cmocka_unit_test(rows_say_how_to_write_them),  cmocka_unit_test(rows_tell_devices),
+        cmocka_unit_test(samples_are_in_order),        cmocka_unit_test(reads_end_in_time),
+        cmocka_unit_test(interrupt_ends_any_wait),     cmocka_unit_test(interrupt_before_a_read),
+        cmocka_unit_test(status_while_reading),        cmocka_unit_test(only_a_pointer_is_pushed),
+        cmocka_unit_test(virtual_clock_is_repeatable), cmocka_unit_test(the_end),
         cmocka_unit_test(opened_and_closed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,7 +1,8 @@
-/* auto, when no eye tracker is there: a recording, until one is plugged in and sees an eye. */
-#include "source/device.h"
+/* The switch from a recording to an eye tracker, once: see auto.h. */
+#include "source/auto.h"
 
-#include "error.h"
+#include "source/device.h"
+#include "system.h"
 
 #include <stdatomic.h>
 #include <stdio.h>
@@ -9,11 +10,12 @@
 
 struct auto_source {
     struct trk_source source;
-    struct trk_source *recording, *device;
+    struct trk_source *replay, *device;
     atomic_bool interrupted;
     atomic_bool taken_up; /* by the reader: the device delivers */
-    bool ended;           /* the recording; the reader's, as all that follows */
-    /* Where the recording left off: the device's numbers and times go on from there. */
+    /* The rest is the reader's. */
+    bool ended; /* the replay */
+    /* Where the replay left off: the device's numbers and times go on from there. */
     uint64_t sequence, device_ns, arrival_ns, first_ns;
     bool has_first;
 };
@@ -36,16 +38,17 @@ static void go_on(struct auto_source *both, struct trk_sample *sample)
     sample->device_ns += both->device_ns - both->first_ns;
 }
 
-/* Both the recording's wait and the device's end by trk_interrupt(), by whom is told by the flags. */
+/* A wait for the replay or the device ends by trk_interrupt(). The flags tell whether the caller interrupted
+ * it, or the device. */
 static enum trk_result auto_read(struct trk_source *source, uint64_t until_ns, struct trk_sample *out_sample,
                                  char out_error[TRK_ERROR_SIZE])
 {
     struct auto_source *both = (struct auto_source *)source;
     for (;;) {
-        if (trk_device_is_seen(both->device) && !atomic_load(&both->taken_up)) take_up(both);
+        if (trk_device_sees_eye(both->device) && !atomic_load(&both->taken_up)) take_up(both);
         bool from_device = atomic_load(&both->taken_up) || both->ended;
         enum trk_result result =
-            trk_read(from_device ? both->device : both->recording, until_ns, out_sample, out_error);
+            trk_read(from_device ? both->device : both->replay, until_ns, out_sample, out_error);
         if (result == TRK_SAMPLE && from_device) {
             go_on(both, out_sample);
             return result;
@@ -70,7 +73,7 @@ static void auto_interrupt(struct trk_source *source)
 {
     struct auto_source *both = (struct auto_source *)source;
     atomic_store(&both->interrupted, true);
-    trk_interrupt(both->recording);
+    trk_interrupt(both->replay);
     trk_interrupt(both->device);
 }
 
@@ -88,32 +91,31 @@ static void auto_status(struct trk_source *source, struct trk_status *out_status
 static void auto_close(struct trk_source *source)
 {
     struct auto_source *both = (struct auto_source *)source;
-    trk_close(both->device); /* first: its thread interrupts the recording */
-    trk_close(both->recording);
+    trk_close(both->device); /* first: its thread interrupts the replay */
+    trk_close(both->replay);
     trk_source_destroy(source);
 }
 
-static const struct trk_source_type type = {
+static const struct trk_source_methods methods = {
     .read = auto_read,
     .interrupt = auto_interrupt,
     .status = auto_status,
     .close = auto_close,
 };
 
-struct trk_source *trk_auto_create(struct trk_source *recording, struct trk_source *device,
-                                   const char *problem)
+struct trk_source *trk_auto_create(struct trk_source *replay, struct trk_source *device, const char *problem)
 {
-    struct auto_source *both = trk_source_create(sizeof *both, &type, false);
+    struct auto_source *both = trk_source_create(sizeof *both, &methods, false);
     if (!both) {
         trk_close(device);
-        trk_close(recording);
+        trk_close(replay);
         return NULL;
     }
-    both->recording = recording;
+    both->replay = replay;
     both->device = device;
-    both->source.speed = recording->speed;
+    both->source.speed = replay->speed;
     snprintf(both->source.description, sizeof both->source.description, "%.290s (%.200s)",
-             recording->description, *problem ? problem : "no eye tracker found");
-    trk_device_hold(device, recording);
+             replay->description, *problem ? problem : "no eye tracker found");
+    trk_device_hold(device, replay);
     return &both->source;
 }

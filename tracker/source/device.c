@@ -4,16 +4,18 @@
 #include "clock.h"
 #include "error.h"
 #include "source/ring.h"
+#include "system.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* How often a device is looked for: once a second, and at once when it may only have a loose plug. */
-static const uint64_t look_ns = 1000000000, look_soon_ns = 100000000, soon_ns = 3000000000;
+/* How often to search for a device: every second, and every tenth of one for three seconds after it went, for
+ * its plug may only be loose. */
+static const uint64_t search_ns = 1000000000, search_soon_ns = 100000000, soon_ns = 3000000000;
 
-/* No step of a driver lasts longer, so that closing does not. */
+/* No step of a device lasts longer, so that closing does not. */
 enum { STEP_MS = 20 };
 
 /* A device that has sent nothing for so many of its periods has lost the eyes. */
@@ -24,7 +26,7 @@ static const double period_weight = 1.0 / 32;
 
 struct trk_device {
     struct trk_source source;
-    const struct trk_driver *const *drivers;
+    const struct trk_source_row *const *rows; /* those of devices are tried in turn */
     int count;
     char *path, *calibration;
     struct trk_source_options options;
@@ -32,8 +34,8 @@ struct trk_device {
     bool has_thread;
 
     /* The thread's; before it starts, the opener's. */
-    const struct trk_driver *driver; /* of the device that is open, else NULL */
-    void *state;
+    const struct trk_source_row *row; /* of the device that was opened last */
+    void *handle;                     /* NULL: none is open */
     struct trk_device_facts facts;
     struct trk_clock clock;
     double period_ns; /* measured; 0 before there are two samples */
@@ -57,7 +59,7 @@ struct trk_device {
 static void set_description(struct trk_device *device)
 {
     char text[TRK_ERROR_SIZE];
-    if (device->state)
+    if (device->handle)
         snprintf(text, sizeof text, "eye tracker %s%s%s", device->facts.description,
                  *device->facts.remark ? "; " : "", device->facts.remark);
     else if (*device->problem)
@@ -69,7 +71,7 @@ static void set_description(struct trk_device *device)
     struct trk_status *status = &device->status;
     if (strcmp(status->description, text) != 0) status->changes++;
     memcpy(status->description, text, sizeof text);
-    status->present = device->state;
+    status->present = device->handle;
     pthread_mutex_unlock(&device->source.lock);
 }
 
@@ -166,19 +168,20 @@ static uint64_t patience_ns(const struct trk_device *device)
 /* --- plugging ------------------------------------------------------------------------------------------- */
 
 /* The first device that opens; the first line of what was in the way of others. */
-static bool look(struct trk_device *device, char out_error[TRK_ERROR_SIZE])
+static bool search(struct trk_device *device, char out_error[TRK_ERROR_SIZE])
 {
     char error[TRK_ERROR_SIZE];
     out_error[0] = '\0';
-    for (int i = 0; i < device->count && !device->state; i++) {
+    for (int i = 0; i < device->count && !device->handle; i++) {
+        const struct trk_source_row *row = device->rows[i];
+        if (!row->attach) continue;
         memset(&device->facts, 0, sizeof device->facts);
         error[0] = '\0';
-        device->state =
-            device->drivers[i]->open(device, device->path, &device->options, &device->facts, error);
-        device->driver = device->drivers[i];
-        if (!device->state && !*out_error) memcpy(out_error, error, sizeof error);
+        device->handle = row->attach(device, device->path, &device->options, &device->facts, error);
+        device->row = row;
+        if (!device->handle && !*out_error) memcpy(out_error, error, sizeof error);
     }
-    if (!device->state) return false;
+    if (!device->handle) return false;
     if (device->facts.clock_bits)
         trk_clock_init(&device->clock, device->facts.clock_bits, device->facts.tick_ns);
     device->arrival_ns = 0;
@@ -194,8 +197,8 @@ static bool look(struct trk_device *device, char out_error[TRK_ERROR_SIZE])
 
 static void unplug(struct trk_device *device)
 {
-    device->driver->close(device->state);
-    device->state = NULL;
+    device->row->detach(device->handle);
+    device->handle = NULL;
     device->gone_ns = trk_now_ns();
     deliver_loss(device, device->gone_ns);
     set_description(device);
@@ -208,7 +211,7 @@ static void step(struct trk_device *device)
     bool listening = device->arrival_ns && !device->silent;
     if (listening && end_ns < now_ns + wait_ns) wait_ns = end_ns > now_ns ? end_ns - now_ns : 0;
     uint64_t before_ns = device->arrival_ns;
-    if (!device->driver->step(device->state, (int)((wait_ns + 999999) / 1000000))) {
+    if (!device->row->step(device->handle, (int)((wait_ns + 999999) / 1000000))) {
         unplug(device);
         return;
     }
@@ -217,16 +220,15 @@ static void step(struct trk_device *device)
         deliver_loss(device, now_ns);
 }
 
-/* Until the next look, or the end. */
+/* Until the next search, or the end. */
 static void rest(struct trk_device *device)
 {
     uint64_t now_ns = trk_now_ns();
     bool soon = device->gone_ns && now_ns < device->gone_ns + soon_ns;
-    uint64_t end_ns = now_ns + (soon ? look_soon_ns : look_ns);
-    struct timespec end = {.tv_sec = (time_t)(end_ns / 1000000000), .tv_nsec = (long)(end_ns % 1000000000)};
+    uint64_t end_ns = now_ns + (soon ? search_soon_ns : search_ns);
     pthread_mutex_lock(&device->source.lock);
     while (!device->stop && trk_now_ns() < end_ns)
-        pthread_cond_timedwait(&device->stopping, &device->source.lock, &end);
+        trk_condition_wait(&device->stopping, &device->source.lock, end_ns);
     pthread_mutex_unlock(&device->source.lock);
 }
 
@@ -243,12 +245,12 @@ static void *run(void *argument)
     struct trk_device *device = argument;
     trk_be_prompt();
     while (!is_stopped(device)) {
-        if (device->state) {
+        if (device->handle) {
             step(device);
             continue;
         }
         rest(device);
-        if (is_stopped(device) || look(device, device->problem)) continue;
+        if (is_stopped(device) || search(device, device->problem)) continue;
         set_description(device);
     }
     return NULL;
@@ -264,7 +266,7 @@ static void device_close(struct trk_source *source)
     pthread_cond_signal(&device->stopping);
     pthread_mutex_unlock(&source->lock);
     if (device->has_thread) pthread_join(device->thread, NULL);
-    if (device->state) device->driver->close(device->state);
+    if (device->handle) device->row->detach(device->handle);
     pthread_cond_destroy(&device->stopping);
     free(device->path);
     free(device->calibration);
@@ -296,36 +298,27 @@ static void device_status(struct trk_source *source, struct trk_status *out_stat
     pthread_mutex_unlock(&source->lock);
 }
 
-static const struct trk_source_type type = {
+static const struct trk_source_methods methods = {
     .read = device_read,
     .status = device_status,
     .close = device_close,
 };
 
-static void init_stopping(struct trk_device *device)
-{
-    pthread_condattr_t attributes;
-    pthread_condattr_init(&attributes);
-    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
-    pthread_cond_init(&device->stopping, &attributes);
-    pthread_condattr_destroy(&attributes);
-}
-
-struct trk_source *trk_device_open(const struct trk_driver *const *drivers, int count, const char *path,
+struct trk_source *trk_device_open(const struct trk_source_row *const *rows, int count, const char *path,
                                    const struct trk_source_options *options, bool *out_present,
                                    char out_error[TRK_ERROR_SIZE])
 {
-    struct trk_device *device = trk_source_create(sizeof *device, &type, false);
+    struct trk_device *device = trk_source_create(sizeof *device, &methods, false);
     if (!device) goto no_memory;
-    init_stopping(device);
-    device->drivers = drivers;
+    trk_condition_init(&device->stopping);
+    device->rows = rows;
     device->count = count;
     device->status.is_device = true;
     device->options = (struct trk_source_options){.screen = options->screen};
     if (path && !(device->path = strdup(path))) goto no_memory;
     if (options->calibration && !(device->calibration = strdup(options->calibration))) goto no_memory;
     device->options.calibration = device->calibration;
-    *out_present = look(device, device->problem);
+    *out_present = search(device, device->problem);
     memcpy(out_error, device->problem, sizeof device->problem);
     set_description(device);
     memcpy(device->source.description, device->status.description, sizeof device->status.description);
@@ -348,7 +341,7 @@ void trk_device_hold(struct trk_source *source, struct trk_source *other)
     pthread_mutex_unlock(&source->lock);
 }
 
-bool trk_device_is_seen(struct trk_source *source)
+bool trk_device_sees_eye(struct trk_source *source)
 {
     struct trk_device *device = (struct trk_device *)source;
     pthread_mutex_lock(&source->lock);

@@ -3,6 +3,8 @@
 
 #include "error.h"
 #include "hid_report.h"
+#include "source/kinds.h"
+#include "system.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -254,8 +256,8 @@ static double sane_rate(double rate_hz)
     return rate_hz >= 1 && rate_hz <= fastest_hz ? rate_hz : 0;
 }
 
-static void state_facts(struct hid *hid, const struct node *node, const char *whose,
-                        struct trk_device_facts *out_facts)
+static void tell_facts(struct hid *hid, const struct node *node, const char *whose,
+                       struct trk_device_facts *out_facts)
 {
     const struct trk_hid_field *gaze = trk_hid_find(&hid->layout, TRK_HID_INPUT, TRK_HID_GAZE_X);
     const struct trk_hid_field *clock = trk_hid_find(&hid->layout, TRK_HID_INPUT, TRK_HID_TIMESTAMP);
@@ -275,9 +277,9 @@ static void state_facts(struct hid *hid, const struct node *node, const char *wh
              (double)hid->screen.distance_m, rate);
 }
 
-static void hid_close_device(void *state)
+static void hid_detach(void *handle)
 {
-    struct hid *hid = state;
+    struct hid *hid = handle;
     request_mode(hid, 0);
     pthread_mutex_lock(&hidapi_lock);
     hid_close(hid->handle);
@@ -305,7 +307,7 @@ static struct hid *open_node(const struct node *node, struct trk_device *device,
     }
     if (!learn_layout(node, hid->handle, &hid->layout, out_error)) goto fail;
     read_features(hid);
-    state_facts(hid, node, choose_screen(hid, &options->screen), out_facts);
+    tell_facts(hid, node, choose_screen(hid, &options->screen), out_facts);
     request_mode(hid, TRK_HID_ASK_GAZE | TRK_HID_ASK_EYES | TRK_HID_ASK_HEAD);
     return hid;
 fail:
@@ -316,9 +318,8 @@ fail:
     return NULL;
 }
 
-static void *hid_open_device(struct trk_device *device, const char *path,
-                             const struct trk_source_options *options, struct trk_device_facts *out_facts,
-                             char out_error[TRK_ERROR_SIZE])
+static void *hid_attach(struct trk_device *device, const char *path, const struct trk_source_options *options,
+                        struct trk_device_facts *out_facts, char out_error[TRK_ERROR_SIZE])
 {
     struct node nodes[MAX_NODES];
     char error[TRK_ERROR_SIZE];
@@ -352,21 +353,25 @@ static void take_report(struct hid *hid, size_t size, uint64_t arrival_ns)
     trk_device_deliver(hid->device, &sample, values.ticks, arrival_ns);
 }
 
-static bool hid_step(void *state, int wait_ms)
+static bool hid_step(void *handle, int wait_ms)
 {
-    struct hid *hid = state;
+    struct hid *hid = handle;
     errno = 0;
     int size = hid_read_timeout(hid->handle, hid->report, sizeof hid->report, wait_ms);
     if (size > 0) take_report(hid, (size_t)size, trk_now_ns());
     return size >= 0 || errno == EINTR;
 }
 
-const struct trk_driver trk_hid = {
-    .name = "hid",
-    .usage = "hid[:PATH]",
-    .takes_path = true,
+const struct trk_source_row trk_hid = {
+    .kind = {.name = "hid",
+             .argument = "[:PATH]",
+             .summary = "a HID eye tracker, the first one or that at /dev/hidrawN",
+             .is_device = true,
+             .takes_screen = true,
+             .follows_eye = true,
+             .needs_real_clock = true},
     .list = hid_list,
-    .open = hid_open_device,
+    .attach = hid_attach,
     .step = hid_step,
-    .close = hid_close_device,
+    .detach = hid_detach,
 };

@@ -1,7 +1,8 @@
 /* A recorded log as a source: paced by its own timestamps, at any speed, once or for ever. */
-#include "source/source.h"
+#include "source/kinds.h"
 
 #include "error.h"
+#include "system.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -57,35 +58,6 @@ static void replay_close(struct trk_source *source)
     trk_source_destroy(source);
 }
 
-static struct trk_source *replay_open(const char *path, const struct trk_source_options *options,
-                                      char out_error[TRK_ERROR_SIZE])
-{
-    if (!path || !*path) {
-        trk_fail(out_error, "gaze source 'replay': expected replay:FILE");
-        return NULL;
-    }
-    if (options->speed != 0 && !(options->speed >= slowest && options->speed <= fastest)) {
-        trk_fail(out_error, "replay speed %g: expected %g to %g, or 0 for as fast as it is read",
-                 options->speed, slowest, fastest);
-        return NULL;
-    }
-    struct replay *replay = trk_source_create(sizeof *replay, &trk_replay, options->virtual_clock);
-    if (!replay) {
-        trk_fail(out_error, "%s: no memory", path);
-        return NULL;
-    }
-    if (!trk_log_read(path, &replay->log, out_error)) {
-        replay_close(&replay->source);
-        return NULL;
-    }
-    trk_log_rate(&replay->log, &replay->rate);
-    replay->source.speed = options->speed;
-    replay->loop = options->loop;
-    measure_lap(replay);
-    describe(replay, path);
-    return &replay->source;
-}
-
 /* When the next sample is due, from the first read. Without pace it is due at once: now, or whatever the
  * virtual clock says. */
 static enum trk_result wait_for_next(struct replay *replay, uint64_t log_ns, uint64_t until_ns,
@@ -124,10 +96,45 @@ static enum trk_result replay_read(struct trk_source *source, uint64_t until_ns,
     return TRK_SAMPLE;
 }
 
-const struct trk_source_type trk_replay = {
-    .name = "replay",
-    .usage = "replay:FILE",
-    .open = replay_open,
+static const struct trk_source_methods methods = {
     .read = replay_read,
     .close = replay_close,
+};
+
+static struct trk_source *replay_open(const char *path, const struct trk_source_options *options,
+                                      char out_error[TRK_ERROR_SIZE])
+{
+    if (!path || !*path) {
+        trk_fail(out_error, "gaze source 'replay': expected replay:FILE");
+        return NULL;
+    }
+    if (options->speed != 0 && !(options->speed >= slowest && options->speed <= fastest)) {
+        trk_fail(out_error, "replay speed %g: expected %g to %g, or 0 for as fast as it is read",
+                 options->speed, slowest, fastest);
+        return NULL;
+    }
+    struct replay *replay = trk_source_create(sizeof *replay, &methods, options->virtual_clock);
+    if (!replay) {
+        trk_fail(out_error, "%s: no memory", path);
+        return NULL;
+    }
+    if (!trk_log_read(path, &replay->log, out_error)) {
+        replay_close(&replay->source);
+        return NULL;
+    }
+    trk_log_rate(&replay->log, &replay->rate);
+    replay->source.speed = options->speed;
+    replay->loop = options->loop;
+    measure_lap(replay);
+    describe(replay, path);
+    return &replay->source;
+}
+
+const struct trk_source_row trk_replay = {
+    .kind = {.name = "replay",
+             .argument = ":FILE",
+             .summary = "a recorded log",
+             .follows_eye = true,
+             .ends = true},
+    .open = replay_open,
 };

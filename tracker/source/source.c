@@ -1,51 +1,21 @@
-/* What all sources share: their clock, and the wait that an interrupt ends. */
+/* What all sources share: what every caller goes through, their clock, and the wait that an interrupt ends.
+ */
 #include "source/source.h"
 
-#include <sched.h>
+#include "system.h"
+
+#include <math.h>
 #include <stdlib.h>
-#include <sys/syscall.h>
-#include <time.h>
-#include <unistd.h>
+#include <string.h>
 
-/* The least that Linux grants. */
-static const uint64_t prompt_slice_ns = 100000;
-
-uint64_t trk_now_ns(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (uint64_t)now.tv_sec * 1000000000 + (uint64_t)now.tv_nsec;
-}
-
-/* Of two threads that could run, the one whose slice of time ends sooner goes first: a short one is no more
- * of the processor, but sooner. */
-void trk_be_prompt(void)
-{
-    struct { /* struct sched_attr, which the headers of some systems do not let one have beside sched.h */
-        uint32_t size, policy;
-        uint64_t flags;
-        int32_t nice;
-        uint32_t priority;
-        uint64_t runtime, deadline, period;
-    } attributes = {.size = sizeof attributes};
-    if (syscall(SYS_sched_getattr, 0, &attributes, sizeof attributes, 0) != 0) return;
-    if (attributes.policy != SCHED_OTHER) return; /* somebody knows better */
-    attributes.runtime = prompt_slice_ns;
-    syscall(SYS_sched_setattr, 0, &attributes, 0);
-}
-
-void *trk_source_create(size_t size, const struct trk_source_type *type, bool virtual_clock)
+void *trk_source_create(size_t size, const struct trk_source_methods *methods, bool virtual_clock)
 {
     struct trk_source *source = calloc(1, size);
     if (!source) return NULL;
-    source->type = type;
+    source->methods = methods;
     source->virtual_clock = virtual_clock;
     source->speed = 1;
-    pthread_condattr_t attributes;
-    pthread_condattr_init(&attributes);
-    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
-    pthread_cond_init(&source->changed, &attributes);
-    pthread_condattr_destroy(&attributes);
+    trk_condition_init(&source->changed);
     pthread_mutex_init(&source->lock, NULL);
     return source;
 }
@@ -62,9 +32,7 @@ bool trk_source_sleep(struct trk_source *source, uint64_t wake_ns, uint64_t unti
     bool interrupted = source->interrupted;
     source->interrupted = false;
     if (interrupted || source->virtual_clock || trk_now_ns() >= until_ns) return false;
-    uint64_t end_ns = wake_ns < until_ns ? wake_ns : until_ns;
-    struct timespec end = {.tv_sec = (time_t)(end_ns / 1000000000), .tv_nsec = (long)(end_ns % 1000000000)};
-    pthread_cond_timedwait(&source->changed, &source->lock, &end);
+    trk_condition_wait(&source->changed, &source->lock, wake_ns < until_ns ? wake_ns : until_ns);
     return true;
 }
 
@@ -82,4 +50,51 @@ enum trk_result trk_source_pace(struct trk_source *source, uint64_t offset_ns, u
         if (!trk_source_sleep(source, *out_due_ns, until_ns)) result = TRK_TIMEOUT;
     pthread_mutex_unlock(&source->lock);
     return result;
+}
+
+/* --- what every caller goes through -----------------------------------------------------------------------
+ */
+
+void trk_close(struct trk_source *source)
+{
+    if (source) source->methods->close(source);
+}
+
+enum trk_result trk_read(struct trk_source *source, uint64_t until_ns, struct trk_sample *out_sample,
+                         char out_error[TRK_ERROR_SIZE])
+{
+    return source->methods->read(source, until_ns, out_sample, out_error);
+}
+
+bool trk_push(struct trk_source *source, const float direction[3], uint64_t time_ns)
+{
+    if (!source->methods->push) return false;
+    /* In double: the squares of the largest and smallest floats still count. */
+    double x = direction[0], y = direction[1], z = direction[2], length = sqrt(x * x + y * y + z * z);
+    if (!isfinite(length) || length == 0) return false;
+    source->methods->push(source, (float[3]){(float)(x / length), (float)(y / length), (float)(z / length)},
+                          time_ns);
+    return true;
+}
+
+void trk_get_status(struct trk_source *source, struct trk_status *out_status)
+{
+    memset(out_status, 0, sizeof *out_status);
+    if (source->methods->status)
+        source->methods->status(source, out_status);
+    else
+        memcpy(out_status->description, source->description, sizeof source->description);
+    out_status->speed = out_status->is_device ? 1 : source->speed;
+}
+
+void trk_interrupt(struct trk_source *source)
+{
+    if (source->methods->interrupt) {
+        source->methods->interrupt(source);
+        return;
+    }
+    pthread_mutex_lock(&source->lock);
+    source->interrupted = true;
+    pthread_cond_signal(&source->changed);
+    pthread_mutex_unlock(&source->lock);
 }

@@ -1,5 +1,5 @@
 /* The synthetic observer as a source and as a recording. */
-#include "source/source.h"
+#include "source/kinds.h"
 
 #include "error.h"
 #include "log/lines.h"
@@ -28,40 +28,6 @@ static uint64_t samples_in(double seconds)
 {
     double count = rint(seconds * TRK_OBSERVER_HZ);
     return count >= 1 && count <= TRK_MAX_ROWS ? (uint64_t)count : 0;
-}
-
-static struct trk_source *synthetic_open(const char *argument, const struct trk_source_options *options,
-                                         char out_error[TRK_ERROR_SIZE])
-{
-    int64_t seed = (int64_t)default_seed;
-    if (argument && (!trk_parse_int64(argument, &seed) || seed < 0)) {
-        trk_fail(out_error, "gaze source 'synthetic:%.100s': expected a whole number from 0 as seed",
-                 argument);
-        return NULL;
-    }
-    if (options->seconds != 0 && samples_in(options->seconds) == 0) {
-        trk_fail(out_error, "synthetic gaze of %g s: expected 0 for no end, or up to %.0f s",
-                 options->seconds, (double)TRK_MAX_ROWS / TRK_OBSERVER_HZ);
-        return NULL;
-    }
-    struct synthetic *synthetic =
-        trk_source_create(sizeof *synthetic, &trk_synthetic, options->virtual_clock);
-    if (!synthetic) {
-        trk_fail(out_error, "gaze source 'synthetic': no memory");
-        return NULL;
-    }
-    synthetic->seed = (uint64_t)seed;
-    synthetic->loop = options->loop;
-    char length[32] = "without end";
-    if (options->seconds != 0) {
-        synthetic->lap_samples = samples_in(options->seconds);
-        snprintf(length, sizeof length, "%.1f s", options->seconds);
-    }
-    snprintf(synthetic->source.description, sizeof synthetic->source.description,
-             "synthetic observer with seed %llu: %s, %d Hz, head pose", (unsigned long long)synthetic->seed,
-             length, TRK_OBSERVER_HZ);
-    trk_observer_init(&synthetic->observer, synthetic->seed);
-    return &synthetic->source;
 }
 
 /* A lap is a whole number of samples, and its length in ns is rounded down once, so that laps are all alike.
@@ -95,12 +61,50 @@ static enum trk_result synthetic_read(struct trk_source *source, uint64_t until_
     return TRK_SAMPLE;
 }
 
-const struct trk_source_type trk_synthetic = {
-    .name = "synthetic",
-    .usage = "synthetic[:SEED]",
-    .open = synthetic_open,
+static const struct trk_source_methods methods = {
     .read = synthetic_read,
     .close = trk_source_destroy,
+};
+
+static struct trk_source *synthetic_open(const char *argument, const struct trk_source_options *options,
+                                         char out_error[TRK_ERROR_SIZE])
+{
+    int64_t seed = (int64_t)default_seed;
+    if (argument && (!trk_parse_int64(argument, &seed) || seed < 0)) {
+        trk_fail(out_error, "gaze source 'synthetic:%.100s': expected a whole number from 0 as seed",
+                 argument);
+        return NULL;
+    }
+    if (options->seconds != 0 && samples_in(options->seconds) == 0) {
+        trk_fail(out_error, "synthetic gaze of %g s: expected 0 for no end, or up to %.0f s",
+                 options->seconds, (double)TRK_MAX_ROWS / TRK_OBSERVER_HZ);
+        return NULL;
+    }
+    struct synthetic *synthetic = trk_source_create(sizeof *synthetic, &methods, options->virtual_clock);
+    if (!synthetic) {
+        trk_fail(out_error, "gaze source 'synthetic': no memory");
+        return NULL;
+    }
+    synthetic->seed = (uint64_t)seed;
+    synthetic->loop = options->loop;
+    char length[32] = "without end";
+    if (options->seconds != 0) {
+        synthetic->lap_samples = samples_in(options->seconds);
+        snprintf(length, sizeof length, "%.1f s", options->seconds);
+    }
+    snprintf(synthetic->source.description, sizeof synthetic->source.description,
+             "synthetic observer with seed %llu: %s, %d Hz, head pose", (unsigned long long)synthetic->seed,
+             length, TRK_OBSERVER_HZ);
+    trk_observer_init(&synthetic->observer, synthetic->seed);
+    return &synthetic->source;
+}
+
+const struct trk_source_row trk_synthetic = {
+    .kind = {.name = "synthetic",
+             .argument = "[:SEED]",
+             .summary = "an observer made up",
+             .follows_eye = true},
+    .open = synthetic_open,
 };
 
 bool trk_synthesise(uint64_t seed, double seconds, struct trk_log *out_log)

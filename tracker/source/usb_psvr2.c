@@ -4,6 +4,8 @@
 
 #include "error.h"
 #include "psvr2_packet.h"
+#include "source/kinds.h"
+#include "system.h"
 
 #include <errno.h>
 #include <libusb.h>
@@ -183,9 +185,9 @@ static void submit_idle(struct usb *usb)
     }
 }
 
-static bool usb_step(void *state, int wait_ms)
+static bool usb_step(void *handle, int wait_ms)
 {
-    struct usb *usb = state;
+    struct usb *usb = handle;
     uint64_t now_ns = trk_now_ns();
     if (now_ns >= usb->retry_at_ns) {
         usb->retry_at_ns = now_ns + retry_ns;
@@ -232,9 +234,9 @@ static bool is_flying(const struct usb *usb)
 /* The kernel owns transfers in flight, and may complete one that is being cancelled. This waits until all
  * have come back. If a broken bus keeps one, closing the handle takes it from the kernel and from libusb.
  * Either way no callback comes once the transfers are freed. */
-static void usb_close(void *state)
+static void usb_detach(void *handle)
 {
-    struct usb *usb = state;
+    struct usb *usb = handle;
     uint64_t end_ns = trk_now_ns() + cancel_ns;
     usb->closing = true;
     if (usb->claimed && !usb->gone) request(usb, usb->tracker->stop);
@@ -283,8 +285,8 @@ static bool start(struct usb *usb, libusb_device *device, const char *calibratio
     return !calibration || send_calibration(usb, calibration, out_error);
 }
 
-static void *usb_open(struct trk_device *device, const char *path, const struct trk_source_options *options,
-                      struct trk_device_facts *out_facts, char out_error[TRK_ERROR_SIZE])
+static void *usb_attach(struct trk_device *device, const char *path, const struct trk_source_options *options,
+                        struct trk_device_facts *out_facts, char out_error[TRK_ERROR_SIZE])
 {
     (void)path;
     libusb_device **devices;
@@ -308,15 +310,20 @@ static void *usb_open(struct trk_device *device, const char *path, const struct 
     }
     if (all >= 0) libusb_free_device_list(devices, 1);
     if (started) return usb;
-    usb_close(usb);
+    usb_detach(usb);
     return NULL;
 }
 
-const struct trk_driver trk_psvr2 = {
-    .name = "psvr2",
-    .usage = "psvr2",
+const struct trk_source_row trk_psvr2 = {
+    .kind = {.name = "psvr2",
+             .argument = "",
+             .summary = "a PlayStation VR2",
+             .is_device = true,
+             .takes_calibration = true,
+             .follows_eye = true,
+             .needs_real_clock = true},
     .list = usb_list,
-    .open = usb_open,
+    .attach = usb_attach,
     .step = usb_step,
-    .close = usb_close,
+    .detach = usb_detach,
 };
