@@ -39,7 +39,8 @@ struct dmn_gaze {
     uint64_t decided_ns;      /* when that was */
     struct rnd_aim aim;
     float taken[3];    /* the gaze that the painter's batch is aimed by */
-    float measured[3]; /* the last valid direction */
+    float measured[3]; /* the last gaze, and whether the newest sample has one */
+    bool has_gaze;
     bool frozen, ended, has_view;
     float view[4], view_fov[2];
     uint64_t samples, valid;
@@ -149,7 +150,7 @@ static void take_view(struct dmn_gaze *gaze, const struct trk_sample *sample)
     if (gaze->frozen) return;
     if (sample->valid & TRK_HEAD)
         memcpy(gaze->aim.view, sample->head + 3, sizeof(gaze->aim.view));
-    else if ((sample->valid & TRK_DIRECTION) && gaze->decision.state < TRK_BLINK)
+    else if (gaze->has_gaze && gaze->decision.state < TRK_BLINK)
         dmn_orientation(gaze->measured, gaze->aim.view);
 }
 
@@ -163,7 +164,7 @@ static void keep(struct dmn_gaze *gaze, const struct trk_sample *sample_or_null)
         next.device_ns = sample_or_null->device_ns;
         next.sensor_ns = sample_or_null->sensor_ns;
         next.arrival_ns = sample_or_null->arrival_ns;
-        next.valid = sample_or_null->valid & TRK_DIRECTION;
+        next.valid = gaze->has_gaze;
         next.has_head = sample_or_null->valid & TRK_HEAD;
         memcpy(next.head, sample_or_null->head + 3, sizeof(next.head));
     }
@@ -198,11 +199,10 @@ static bool decide(struct dmn_gaze *gaze, const struct trk_sample *sample_or_nul
 
 static void accept(struct dmn_gaze *gaze, const struct trk_sample *sample, uint64_t now_ns)
 {
-    bool valid = trk_world_direction(sample, gaze->measured);
-
+    gaze->has_gaze = trk_world_direction(sample, gaze->measured);
     gaze->ended = false;
     gaze->samples++;
-    gaze->valid += valid;
+    gaze->valid += gaze->has_gaze;
     if (gaze->recorder) trk_recorder_append(gaze->recorder, sample);
     decide(gaze, sample, now_ns);
     take_view(gaze, sample);

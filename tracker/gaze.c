@@ -87,16 +87,10 @@ bool trk_lids_closed(const struct trk_sample *sample, bool *out_known)
     return *out_known && closed;
 }
 
-bool trk_world_direction(const struct trk_sample *sample, float out_direction[3])
+bool trk_world_direction(const struct trk_sample *sample, float out_world[3])
 {
-    if (!(sample->valid & TRK_DIRECTION)) return false;
-    vec3 direction;
-    memcpy(direction, sample->direction, sizeof direction);
-    if (sample->valid & TRK_HEAD) {
-        versor head; /* a copy: cglm's is aligned */
-        memcpy(head, &sample->head[3], sizeof head);
-        glm_quat_rotatev(head, direction, direction);
-    }
-    glm_vec3_normalize_to(direction, out_direction);
+    float head[3];
+    if (!trk_gaze_direction(sample, head, NULL)) return false;
+    trk_to_world(sample, head, out_world);
     return true;
 }

@@ -4,12 +4,6 @@
 
 #include "tracker.h"
 
-/* The gaze of a sample: combined if there is one, else the mean of both eyes, else that of one whose lid is
- * not down. False if there is none, or if the lids are down: what a device goes on reporting then is the eye
- * that rolls under its lid. out_source, which may be NULL, says which: "both eyes", "left eye", "right eye".
- */
-bool trk_gaze_direction(const struct trk_sample *sample, float out_head[3], const char **out_source);
-
 /* The combined gaze and its origin, where the sample has none: the mean of the eyes that are valid; one is
  * enough. True if it is that of two. */
 bool trk_combine(struct trk_sample *sample);

@@ -62,9 +62,15 @@ struct trk_sample {
     uint64_t sensor_ns;
 };
 
-/* The gaze direction in the world: direction rotated by the head pose if there is one.
- * Returns false, and leaves out_direction alone, if the sample has no valid direction. */
-bool trk_world_direction(const struct trk_sample *sample, float out_direction[3]);
+/* Where a sample's eyes look, in the head (unit): the combined direction if there is one, else the mean of
+ * both eyes, else that of one eye whose lid is not down. Only a sample for which this is true has a gaze,
+ * that steers and is reported as valid. False, with out_head left alone, if there is no direction, or if the
+ * lids are down: what a device reports then is the eye that rolls under its lid. out_source, which may be
+ * NULL, tells whose direction it is: "both eyes", "left eye", "right eye"; static. */
+bool trk_gaze_direction(const struct trk_sample *sample, float out_head[3], const char **out_source);
+
+/* The same in the world: turned by the head pose if there is one. */
+bool trk_world_direction(const struct trk_sample *sample, float out_world[3]);
 
 /* --- logs ----------------------------------------------------------------------------------------------- */
 

@@ -93,18 +93,18 @@ static void summarise_head(const float head[7], struct summary *s)
 
 static void summarise_sample(const struct trk_sample *sample, struct summary *s)
 {
-    float world[3];
+    float head[3], world[3];
 
     for (int eye = 0; eye < 2; eye++) {
         s->eye[eye] += (sample->valid & TRK_LEFT_DIRECTION << 4 * eye) != 0;
         s->pupil[eye] += (sample->valid & TRK_LEFT_PUPIL << 4 * eye) != 0;
     }
     if (sample->valid & TRK_HEAD) summarise_head(sample->head, s);
-    if (!trk_world_direction(sample, world)) return;
+    if (!trk_gaze_direction(sample, head, NULL) || !trk_world_direction(sample, world)) return;
     s->gaze++;
-    widen(&s->head_pitch, ctl_pitch_deg(sample->direction));
+    widen(&s->head_pitch, ctl_pitch_deg(head));
     widen(&s->world_pitch, ctl_pitch_deg(world));
-    widen_circle(&s->head_circle, ctl_yaw_deg(sample->direction));
+    widen_circle(&s->head_circle, ctl_yaw_deg(head));
     widen_circle(&s->world_circle, ctl_yaw_deg(world));
 }
 

@@ -32,6 +32,14 @@ for options in "" "--raw-gaze" "--predict" "--predict"; do
 done
 [ "$(sort -u pictures | wc -l)" = 3 ] && [ "$(tail -n 2 pictures | sort -u | wc -l)" = 1 ] || fail "pictures: $(cat pictures)"
 
+# One eye steers as both do together (1), be it the left (16) or the right (256), and its samples count as much.
+for bit in 1 16 256; do
+    awk -v bit=$bit 'NR > 2 && $4 {$4 = $4 % 2 ? bit : 0} NR <= 242' "$source/fixtures/hall.gaze" >one.gaze
+    "$fovead" $small --gaze replay:one.gaze --clock virtual --json >one.json
+    number gaze_valid one.json
+done >valid
+[ "$(sort -u valid | wc -l)" = 1 ] && [ "$(head -n 1 valid)" -gt 100 ] || fail "valid samples: $(cat valid)"
+
 # Frozen, the direction stays while samples come; then it follows again.
 start $small --gaze synthetic:4
 is_frozen() { [ "$(field state "$1")" = frozen ]; }

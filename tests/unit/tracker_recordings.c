@@ -189,6 +189,8 @@ static void measure_reflex(const struct trk_log *log, struct reflex *out_reflex)
     for (size_t from = 0, to = 1; to < log->count; to++) {
         while (sample_at(log, to)->device_ns - sample_at(log, from)->device_ns > 50000000) from++;
         const struct trk_sample *a = sample_at(log, from), *b = sample_at(log, to);
+        float gaze[3];
+        if (!trk_gaze_direction(a, gaze, NULL) || !trk_gaze_direction(b, gaze, NULL)) continue;
         if (!(a->valid & b->valid & TRK_DIRECTION) || b->device_ns - a->device_ns < 40000000) continue;
         double head[2], eye[2] = {yaw_deg(b->direction) - yaw_deg(a->direction),
                                   pitch_deg(b->direction) - pitch_deg(a->direction)};

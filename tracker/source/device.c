@@ -85,13 +85,12 @@ static void put(struct trk_device *device, struct trk_sample *sample)
     if (sample->arrival_ns < device->last_arrival_ns) sample->arrival_ns = device->last_arrival_ns;
     device->device_ns = sample->device_ns;
     device->last_arrival_ns = sample->arrival_ns;
-    if (device->held_for) {
-        if (sample->valid & TRK_DIRECTION) {
-            device->ring.count = 0;
-            device->sequence = 0;
-            device->seen = true;
-            wake = device->held_for;
-        }
+    float head[3];
+    if (device->held_for && trk_gaze_direction(sample, head, NULL)) {
+        device->ring.count = 0;
+        device->sequence = 0;
+        device->seen = true;
+        wake = device->held_for;
     }
     sample->sequence = ++device->sequence;
     if (!device->held_for || device->seen) trk_ring_put(&device->ring, sample);
