@@ -75,6 +75,15 @@ static const char *mode_at(size_t index, const char **out_summary)
     return mode ? mode->name : NULL;
 }
 
+/* A source by its name; --gaze takes its argument too. */
+static const char *gaze_at(size_t index, const char **out_summary)
+{
+    const struct trk_source_kind *kind = trk_source_kind_at(index);
+
+    *out_summary = kind ? kind->summary : NULL;
+    return kind ? kind->usage : NULL;
+}
+
 static bool take_listen(const struct dmn_option *option, const char *text, void *values, char *out_error)
 {
     struct dmn_options *out = values;
@@ -113,28 +122,31 @@ static bool take_clock(const struct dmn_option *option, const char *text, void *
 
 /* --- what options need ------------------------------------------------------------------------------- */
 
-static bool is_gaze(const void *values, const char *name)
+/* What its source can do; NULL: there is no gaze, or no such source, which trk_open() refuses. */
+static const struct trk_source_kind *kind_of(const struct dmn_options *options)
 {
-    const char *gaze = ((const struct dmn_options *)values)->gaze;
-
-    return gaze && !strcmp(gaze, name);
+    return options->gaze ? trk_source_kind_find(options->gaze) : NULL;
 }
 
-static bool gaze_has_screen(const void *values)
+static bool gaze_takes_screen(const void *values)
 {
-    const char *gaze = ((const struct dmn_options *)values)->gaze;
+    const struct trk_source_kind *kind = kind_of(values);
 
-    return is_gaze(values, "auto") || is_gaze(values, "hid") || (gaze && !strncmp(gaze, "hid:", 4));
+    return kind && kind->takes_screen;
 }
 
-static bool gaze_has_calibration(const void *values)
+static bool gaze_takes_calibration(const void *values)
 {
-    return is_gaze(values, "auto") || is_gaze(values, "psvr2");
+    const struct trk_source_kind *kind = kind_of(values);
+
+    return kind && kind->takes_calibration;
 }
 
-static bool gaze_is_of_an_eye(const void *values)
+static bool gaze_follows_eye(const void *values)
 {
-    return ((const struct dmn_options *)values)->gaze && !is_gaze(values, "pointer");
+    const struct trk_source_kind *kind = kind_of(values);
+
+    return kind && kind->follows_eye;
 }
 
 static bool clock_is_real(const void *values)
@@ -242,11 +254,9 @@ static const struct dmn_option ROWS[] = {
     {.help = "Where the eye looks"},
     {.name = "gaze",
      .argument = "SOURCE",
-     .help =
-         "auto: an eye tracker as soon as there is one, until then the recording that comes with fovead; hid "
-         "or hid:/dev/hidrawN: a HID eye tracker; psvr2: a PlayStation VR2; replay:FILE: a recorded log; "
-         "synthetic or synthetic:SEED: a made-up observer; pointer: whatever clients send (foveactl look)",
-     INTO(gaze)},
+     .help = "where the gaze comes from:",
+     INTO(gaze),
+     .value_at = gaze_at},
     {.name = "list-trackers",
      .help =
          "print which eye trackers are plugged in, what they can do, and why one cannot be opened; then end",
@@ -258,20 +268,20 @@ static const struct dmn_option ROWS[] = {
          "not say, or says it wrongly; 0.531,0.299,0.65",
      INTO(screen.width_m),
      .number = {.count = 3, .low = 0.01, .high = 20, .unit = "m"},
-     .need = {{"--gaze hid or auto", gaze_has_screen}}},
+     .need = {{"a --gaze that takes a screen", gaze_takes_screen}}},
     {.name = "calibration",
      .argument = "FILE",
      .help = "calibration of the PlayStation VR2's user, as the device gave it",
      INTO(calibration),
-     .need = {{"--gaze psvr2 or auto", gaze_has_calibration}}},
+     .need = {{"a --gaze that takes a calibration", gaze_takes_calibration}}},
     {.name = "raw-gaze",
      .help = "follow every sample as measured: no filter, no dead zone",
      INTO(raw_gaze),
-     .need = {{"a --gaze that comes from an eye", gaze_is_of_an_eye}}},
+     .need = {{"a --gaze that comes from an eye", gaze_follows_eye}}},
     {.name = "predict",
      .help = "during a saccade, render for where it will land",
      INTO(predict),
-     .need = {{"a --gaze that comes from an eye", gaze_is_of_an_eye}}},
+     .need = {{"a --gaze that comes from an eye", gaze_follows_eye}}},
     {.name = "record",
      .argument = "FILE",
      .help = "record the gaze samples, as a log for replay:FILE; nothing but its last second can be lost",
@@ -385,8 +395,8 @@ static void fill_in(struct dmn_options *out)
 /* Whether the end that is waited for can come. */
 static bool check_end(const struct dmn_options *out)
 {
-    const bool endless =
-        out->loop || is_gaze(out, "pointer") || (out->gaze && !strncmp(out->gaze, "synth", 5));
+    const struct trk_source_kind *kind = kind_of(out);
+    const bool endless = out->loop || (kind && !kind->ends);
     const char *mode = out->render.distribution->name;
 
     if (out->until.kind == DMN_UNTIL_CONVERGED && strcmp(mode, "od"))
@@ -419,8 +429,8 @@ enum dmn_parsed dmn_options_parse(int argc, char **argv, struct dmn_options *out
     if (out_options->list_trackers) return DMN_LIST;
     fill_in(out_options);
     if (!dmn_option_check(&SET, &given, out_options) || !check_end(out_options)) return DMN_REFUSED;
-    if (out_options->virtual_clock && is_gaze(out_options, "pointer"))
-        return dmn_option_refuse(&SET, "--gaze pointer needs the real clock"), DMN_REFUSED;
+    if (out_options->virtual_clock && kind_of(out_options) && kind_of(out_options)->needs_real_clock)
+        return dmn_option_refuse(&SET, "--gaze %s needs the real clock", out_options->gaze), DMN_REFUSED;
     if (!out_options->listens && out_options->until.kind == DMN_UNTIL_STOPPED &&
         !take_listen(NULL, NULL, out_options, error))
         return dmn_option_refuse(&SET, "--listen: %s", error), DMN_REFUSED;

@@ -171,7 +171,7 @@ struct trk_source;
 /* A kind of gaze source, and what it can do. */
 struct trk_source_kind {
     const char *name;       /* what trk_source_options.spec says, before the colon if it has one */
-    const char *argument;   /* how a user may go on after the name: ":FILE", "[:PATH]"; "": not at all */
+    const char *usage;      /* how a user writes it: NAME, NAME:ARGUMENT or NAME[:ARGUMENT] */
     const char *summary;    /* what it is, for --help */
     bool is_device;         /* it is an eye tracker that is plugged in, or becomes one */
     bool takes_screen;      /* trk_source_options.screen is for it */

@@ -37,7 +37,7 @@ static void find_kinds(void)
         *kind = (struct kind){.row = row, .is_pushed = !row->follows_eye};
         kind->waits = row->is_device && !row->ends;
         snprintf(kind->spec, sizeof kind->spec, "%s%s", row->name,
-                 *row->argument == ':' ? ":" FIXTURES "/hall.gaze" : "");
+                 strchr(row->usage, ':') && !strchr(row->usage, '[') ? ":" FIXTURES "/hall.gaze" : "");
     }
 }
 
@@ -98,8 +98,9 @@ static void rows_say_how_to_write_them(void **state)
         snprintf(spec, sizeof spec, "%.50sx", row->name);
         assert_null(trk_source_kind_find(spec));
         snprintf(spec, sizeof spec, "%.50s:x", row->name);
-        if (!*row->argument) refused(spec, "which takes no argument");
-        if (*row->argument == ':') refused(row->name, "expected");
+        assert_true(strncmp(row->usage, row->name, strlen(row->name)) == 0);
+        if (!strchr(row->usage, ':')) refused(spec, "which takes no argument");
+        if (strcmp(kinds[i].spec, row->name) != 0) refused(row->name, row->usage);
     }
     assert_null(trk_source_kind_find(""));
 }

@@ -364,8 +364,8 @@ static bool hid_step(void *handle, int wait_ms)
 
 const struct trk_source_row trk_hid = {
     .kind = {.name = "hid",
-             .argument = "[:PATH]",
-             .summary = "a HID eye tracker, the first one or that at /dev/hidrawN",
+             .usage = "hid[:PATH]",
+             .summary = "a HID eye tracker: the first one, or that at PATH (/dev/hidrawN)",
              .is_device = true,
              .takes_screen = true,
              .follows_eye = true,

@@ -72,7 +72,7 @@ static struct trk_source *pointer_open(const char *argument, const struct trk_so
 
 const struct trk_source_row trk_pointer = {
     .kind = {.name = "pointer",
-             .argument = "",
+             .usage = "pointer",
              .summary = "whatever clients send (foveactl look)",
              .needs_real_clock = true,
              .rests_when_silent = true},

@@ -132,7 +132,7 @@ static struct trk_source *replay_open(const char *path, const struct trk_source_
 
 const struct trk_source_row trk_replay = {
     .kind = {.name = "replay",
-             .argument = ":FILE",
+             .usage = "replay:FILE",
              .summary = "a recorded log",
              .follows_eye = true,
              .ends = true},

@@ -12,8 +12,9 @@ static struct trk_source *open_auto(const char *argument, const struct trk_sourc
 
 static const struct trk_source_row automatic = {
     .kind = {.name = "auto",
-             .argument = "",
-             .summary = "an eye tracker as soon as there is one, until then a recording",
+             .usage = "auto",
+             .summary =
+                 "an eye tracker as soon as there is one, until then the recording that comes with fovead",
              .is_device = true,
              .takes_screen = true,
              .takes_calibration = true,
@@ -62,8 +63,7 @@ static void fail_unknown(const char *spec, char out_error[TRK_ERROR_SIZE])
     char expected[256] = "";
     for (int i = 0; i < ROWS; i++) {
         size_t end = strlen(expected);
-        snprintf(expected + end, sizeof expected - end, "%s%s%s", i ? ", " : "", rows[i]->kind.name,
-                 rows[i]->kind.argument);
+        snprintf(expected + end, sizeof expected - end, "%s%s", i ? ", " : "", rows[i]->kind.usage);
     }
     trk_fail(out_error, "unknown gaze source '%.100s', expected one of %s", spec, expected);
 }
@@ -86,12 +86,12 @@ static bool check(const struct trk_source_kind *kind, const char *argument,
                         "screen of %g x %g m at %g m: expected width and height, or neither, and distance "
                         "from 0.01 to 20 m",
                         (double)screen->width_m, (double)screen->height_m, (double)screen->distance_m);
-    if (argument && !*kind->argument)
+    if (argument && strcmp(kind->name, kind->usage) == 0)
         return trk_fail(out_error, "gaze source '%.200s': expected %s, which takes no argument",
-                        options->spec, kind->name);
+                        options->spec, kind->usage);
     if (options->virtual_clock && kind->needs_real_clock)
-        return trk_fail(out_error, "gaze source '%.200s': expected %s%s on the real clock", options->spec,
-                        kind->name, kind->argument);
+        return trk_fail(out_error, "gaze source '%.200s': expected %s on the real clock", options->spec,
+                        kind->usage);
     return true;
 }
 
@@ -103,8 +103,8 @@ static struct trk_source *open_device(const struct trk_source_row *const *row, c
     bool is_present;
     char problem[TRK_ERROR_SIZE] = "";
     if (path && *path != '/') {
-        trk_fail(out_error, "gaze source '%.200s': expected %s%s, an absolute path", options->spec,
-                 (*row)->kind.name, (*row)->kind.argument);
+        trk_fail(out_error, "gaze source '%.200s': expected %s, an absolute path", options->spec,
+                 (*row)->kind.usage);
         return NULL;
     }
     struct trk_source *source = trk_device_open(row, 1, path, options, &is_present, problem);

@@ -101,8 +101,8 @@ static struct trk_source *synthetic_open(const char *argument, const struct trk_
 
 const struct trk_source_row trk_synthetic = {
     .kind = {.name = "synthetic",
-             .argument = "[:SEED]",
-             .summary = "an observer made up",
+             .usage = "synthetic[:SEED]",
+             .summary = "a made-up observer",
              .follows_eye = true},
     .open = synthetic_open,
 };

@@ -316,7 +316,7 @@ static void *usb_attach(struct trk_device *device, const char *path, const struc
 
 const struct trk_source_row trk_psvr2 = {
     .kind = {.name = "psvr2",
-             .argument = "",
+             .usage = "psvr2",
              .summary = "a PlayStation VR2",
              .is_device = true,
              .takes_calibration = true,
