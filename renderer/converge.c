@@ -1,8 +1,8 @@
 /* Judging tiles: how wrong a tile still is, and whether an eye would see it. */
 #include "film.h"
-#include "path/uv.h"
+#include "math/uv.h"
 #include "render.h"
-#include "sphere.h"
+#include "math/sphere.h"
 
 #include <stdlib.h>
 

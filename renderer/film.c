@@ -1,10 +1,10 @@
 /* The film's memory, and what is read from it: tiles at any level, the whole picture, its file. */
-#include "large_pages.h"
+#include "math/large_pages.h"
 #include "fill.h"
 #include "film.h"
 #include "image.h"
 #include "render.h"
-#include "sphere.h"
+#include "math/sphere.h"
 
 #include <stdio.h>
 #include <stdlib.h>

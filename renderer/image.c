@@ -1,6 +1,6 @@
 /* Image files for the rest of the project: panoramas and views out, textures' and references' pixels in. */
 #include "image.h"
-#include "scene/srgb.h"
+#include "math/srgb.h"
 
 #include <math.h>
 #include <stdio.h>

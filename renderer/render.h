@@ -3,7 +3,7 @@
 #define FOVEAD_RENDERER_RENDER_H
 
 #include "film.h"
-#include "path/pool.h"
+#include "math/pool.h"
 #include "scene/scene.h"
 
 #include <pthread.h>

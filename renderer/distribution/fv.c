@@ -4,10 +4,10 @@
  * degrees, normalised. On the sphere that is g(e) / (2 pi sin e) per steradian: the papers' planar factor e,
  * where a sphere has sin e, makes the periphery a little denser than m (29 % at 80 degrees).
  */
-#include "acuity.h"
+#include "distribution/acuity.h"
 #include "distribution/distribution.h"
-#include "path/v3.h"
-#include "sphere.h"
+#include "math/v3.h"
+#include "math/sphere.h"
 
 static const float deg = (float)(M_PI / 180.0);
 

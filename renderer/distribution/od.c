@@ -1,6 +1,6 @@
 /* OD: uniform in the equirectangular image, wherever the eye looks. */
 #include "distribution/distribution.h"
-#include "path/uv.h"
+#include "math/uv.h"
 
 static void od_sample(const struct rnd_aim *aim, size_t count, const float *u, float *out)
 {

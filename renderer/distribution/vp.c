@@ -6,7 +6,7 @@
  * area-preserving parametrization for spherical rectangles".
  */
 #include "distribution/distribution.h"
-#include "sphere.h"
+#include "math/sphere.h"
 
 /* A rectangle at distance 1 along -Z, seen from the origin. */
 struct viewport {

@@ -2,7 +2,7 @@
  * reference is just below white, to where half of it is brighter than that.
  */
 #include "metric/flip.h"
-#include "sphere.h"
+#include "math/sphere.h"
 
 #include <float.h>
 #include <math.h>

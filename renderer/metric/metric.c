@@ -1,7 +1,7 @@
 /* The metrics, by name, and what is checked before one is computed. Another one is one file and one line
  * here. */
 #include "metric/metric.h"
-#include "sphere.h"
+#include "math/sphere.h"
 
 #include <assert.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* PSNR: kept because older results are given in it; it does not know what an eye sees. */
 #include "metric/metric.h"
-#include "scene/srgb.h"
+#include "math/srgb.h"
 
 static bool compute(const struct rnd_pair *pair, float *out_map, struct rnd_measure *out_measure,
                     char out_error[RND_ERROR_SIZE])

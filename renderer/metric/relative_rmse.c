@@ -1,7 +1,7 @@
 /* Relative RMSE: the unbiased curve of convergence. The root mean square error of the luminance, relative to
  * the reference's mean luminance; pixels count by their solid angle. */
 #include "metric/metric.h"
-#include "sphere.h"
+#include "math/sphere.h"
 
 static bool compute(const struct rnd_pair *pair, float *out_map, struct rnd_measure *out_measure,
                     char out_error[RND_ERROR_SIZE])

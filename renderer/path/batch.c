@@ -9,7 +9,7 @@
 #include "path/tape.h"
 #include "path/trace.h"
 #include "render.h"
-#include "sampler.h"
+#include "math/sampler.h"
 
 #include <stdio.h>
 #include <stdlib.h>

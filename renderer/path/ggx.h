@@ -13,7 +13,7 @@
 #ifndef FOVEAD_RENDERER_GGX_H
 #define FOVEAD_RENDERER_GGX_H
 
-#include "path/v3.h"
+#include "math/v3.h"
 
 #include <stdbool.h>
 

@@ -15,7 +15,7 @@
 #define FOVEAD_RENDERER_MEDIA_H
 
 #include "path/shade.h"
-#include "path/v3.h"
+#include "math/v3.h"
 
 /* The media that a point is in: ids of 16 bits, the innermost lowest; 0 is air. Of more than four the
  * outermost are forgotten. */

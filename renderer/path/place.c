@@ -10,9 +10,9 @@
  * good would keep what it has found, and lack what it has not found yet: the mean of all such places would be
  * too dark where light is rare.
  */
-#include "path/uv.h"
+#include "math/uv.h"
 #include "render.h"
-#include "sampler.h"
+#include "math/sampler.h"
 
 #include <string.h>
 

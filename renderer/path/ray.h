@@ -2,7 +2,7 @@
 #ifndef FOVEAD_RENDERER_RAY_H
 #define FOVEAD_RENDERER_RAY_H
 
-#include "path/v3.h"
+#include "math/v3.h"
 #include "scene/embree.h"
 
 /* From near to far, in lengths of the direction; it has hit nothing yet. */

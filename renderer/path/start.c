@@ -1,5 +1,5 @@
 /* Where paths begin: their place within the pixel and all that follows are the pixel's own random numbers. */
-#include "path/uv.h"
+#include "math/uv.h"
 #include "path/wave.h"
 
 #include <string.h>

@@ -10,7 +10,7 @@
 #include "path/ray.h"
 #include "path/shade.h"
 #include "render.h"
-#include "sampler.h"
+#include "math/sampler.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>

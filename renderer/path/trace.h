@@ -9,7 +9,7 @@
 #define FOVEAD_RENDERER_TRACE_H
 
 #include "path/media.h"
-#include "sampler.h"
+#include "math/sampler.h"
 #include "scene/scene.h"
 
 enum {

@@ -9,7 +9,7 @@
 #include "path/media.h"
 #include "path/shade.h"
 #include "path/trace.h"
-#include "path/v3.h"
+#include "math/v3.h"
 
 #define RND_JOIN_(a, b) a##_##b
 #define RND_JOIN(a, b)  RND_JOIN_(a, b)

@@ -1,5 +1,5 @@
 /* The environment map: read, weighed, and made into a table to draw from. */
-#include "large_pages.h"
+#include "math/large_pages.h"
 #include "scene/image_reader.h"
 #include "scene/scene.h"
 

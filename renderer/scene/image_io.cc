@@ -1,7 +1,7 @@
 // OpenImageIO behind image_io.h. Nothing is thrown across the boundary, and nothing else is done here.
 #include "scene/image_io.h"
 #include "scene/open_file.h"
-#include "scene/srgb.h"
+#include "math/srgb.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>

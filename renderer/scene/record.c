@@ -1,5 +1,5 @@
 /* Records of triangles: made once, after import, from the meshes' own arrays. */
-#include "large_pages.h"
+#include "math/large_pages.h"
 #include "scene/record.h"
 #include "scene/scene.h"
 

@@ -3,7 +3,7 @@
 #ifndef FOVEAD_RENDERER_RECORD_H
 #define FOVEAD_RENDERER_RECORD_H
 
-#include "path/v3.h"
+#include "math/v3.h"
 
 #include <stdbool.h>
 #include <stdint.h>

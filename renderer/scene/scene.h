@@ -9,7 +9,7 @@
 #include "scene/light.h"
 #include "scene/record.h"
 #include "scene/texture.h"
-#include "sphere.h"
+#include "math/sphere.h"
 
 #include <pthread.h>
 #include <stdatomic.h>

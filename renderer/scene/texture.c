@@ -1,9 +1,9 @@
 /* Textures: asked for at import, read by several threads, kept with their mipmaps under a cap of memory. */
-#include "large_pages.h"
+#include "math/large_pages.h"
 #include "scene/image_reader.h"
 #include "scene/scene.h"
 #include "scene/texture.h"
-#include "scene/srgb.h"
+#include "math/srgb.h"
 
 #include <pthread.h>
 #include <stdatomic.h>

@@ -2,10 +2,10 @@
 #ifndef FOVEAD_RENDERER_TEXTURE_H
 #define FOVEAD_RENDERER_TEXTURE_H
 
-#include "path/v3.h"
+#include "math/v3.h"
 #include "renderer.h"
 #include "scene/image_io.h"
-#include "scene/srgb.h"
+#include "math/srgb.h"
 
 #include <math.h>
 #include <stdbool.h>

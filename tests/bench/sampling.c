@@ -1,7 +1,7 @@
 /* How much sooner than independent random numbers the renderer's points settle a pixel: both on functions of
  * the unit square whose means are known, smooth as a soft shadow, with an edge, and finer than the points. */
 #include "bench.h"
-#include "sampler.h"
+#include "math/sampler.h"
 
 #include <jansson.h>
 #include <math.h>

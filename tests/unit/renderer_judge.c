@@ -4,7 +4,7 @@
 #include "fill.h"
 #include "film.h"
 #include "render.h"
-#include "sphere.h"
+#include "math/sphere.h"
 
 enum { SIDE = RND_TILE, COUNT = RND_TILE_PIXELS, TILE_PATHS = 2 };
 

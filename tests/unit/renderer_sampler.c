@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "sampler.h"
+#include "math/sampler.h"
 #include "statistics.h"
 
 /* Sobol's first points, as every table has them, without any scramble. */

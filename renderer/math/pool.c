@@ -1,5 +1,5 @@
 /* The threads of a render. */
-#include "path/pool.h"
+#include "math/pool.h"
 
 #include <pthread.h>
 #include <stdatomic.h>

@@ -6,7 +6,7 @@
 #ifndef FOVEAD_RENDERER_SAMPLER_H
 #define FOVEAD_RENDERER_SAMPLER_H
 
-#include "path/v3.h"
+#include "math/v3.h"
 
 #include <stdint.h>
 

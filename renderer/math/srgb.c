@@ -1,5 +1,5 @@
 /* The tables of sRGB bytes as linear light, and back. */
-#include "scene/srgb.h"
+#include "math/srgb.h"
 
 float rnd_srgb_table[256];
 uint8_t rnd_srgb_bytes[RND_SRGB_STEPS + 1];

@@ -2,7 +2,7 @@
 #ifndef FOVEAD_RENDERER_ACUITY_H
 #define FOVEAD_RENDERER_ACUITY_H
 
-#include "path/v3.h"
+#include "math/v3.h"
 #include "renderer.h"
 
 #define RND_FOVEA_DEG 5.79  /* up to here acuity is whole (Reddy 2001) */

@@ -2,7 +2,7 @@
 #ifndef FOVEAD_RENDERER_UV_H
 #define FOVEAD_RENDERER_UV_H
 
-#include "path/v3.h"
+#include "math/v3.h"
 
 /* Angle of (x, y) from the x axis as a fraction of a turn, -1/2 to 1/2: minimax polynomial of an eighth of a
  * turn; error below 2e-7 rad. (0, 0) has angle 0. */

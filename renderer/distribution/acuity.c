@@ -4,7 +4,7 @@
  * Koskela, Immonen, Viitanen, Jaaskelainen, Multanen, Takala 2018, "Instantaneous foveated preview for
  * progressive Monte Carlo rendering". Eccentricities are in degrees here, as the constants of the papers are.
  */
-#include "acuity.h"
+#include "distribution/acuity.h"
 
 #include <math.h>
 

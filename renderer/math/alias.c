@@ -1,6 +1,6 @@
 /* Walker's alias method, built as Vose 1991 does: draw from any discrete distribution in constant time. */
-#include "large_pages.h"
-#include "scene/light.h"
+#include "math/alias.h"
+#include "math/large_pages.h"
 
 #include <stdlib.h>
 

@@ -2,7 +2,7 @@
  * are calm (Koskela 2018, section 4.3).
  */
 #include "renderer.h"
-#include "sphere.h"
+#include "math/sphere.h"
 
 #include <stdlib.h>
 #include <string.h>
