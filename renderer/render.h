@@ -3,6 +3,7 @@
 #define FOVEAD_RENDERER_RENDER_H
 
 #include "film.h"
+#include "light/choice.h"
 #include "math/pool.h"
 #include "scene/scene.h"
 

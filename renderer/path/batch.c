@@ -7,6 +7,7 @@
  * of threads.
  */
 #include "path/tape.h"
+#include "light/light.h"
 #include "path/trace.h"
 #include "render.h"
 #include "math/sampler.h"

@@ -4,8 +4,9 @@
  * direction, in air. In a window, whose two sides are parallel, that is the true angle at both of them. Media
  * absorb along the way between. */
 #include "path/clear.h"
+#include "material/point.h"
 #include "path/ray.h"
-#include "path/rich.h"
+#include "material/layered.h"
 
 /* Surfaces that light gets through: what is behind more is dark. */
 enum { MOST_SURFACES = 64 };

@@ -14,7 +14,7 @@
 #ifndef FOVEAD_RENDERER_MEDIA_H
 #define FOVEAD_RENDERER_MEDIA_H
 
-#include "path/shade.h"
+#include "material/surface.h"
 #include "math/v3.h"
 
 /* The media that a point is in: ids of 16 bits, the innermost lowest; 0 is air. Of more than four the

@@ -2,8 +2,10 @@
  *
  * Matt and metallic-roughness surfaces are done by vector instructions, all others one at a time by shade.c.
  */
-#include "path/ggx.h"
-#include "path/rich.h"
+#include "material/ggx.h"
+#include "material/bsdf.h"
+#include "light/light.h"
+#include "material/layered.h"
 #include "path/wave.h"
 
 /* Bounces before Russian roulette begins. From then on a path goes on as often as the square root of what is

@@ -1,7 +1,13 @@
 /* From hits to surfaces: which mesh, which material, the normals, the textures. And the light that needs no
  * light to be chosen: the sky's where a ray hit nothing, and what a surface emits itself. */
-#include "path/ggx.h"
-#include "path/rich.h"
+#include "material/ggx.h"
+#include "material/point.h"
+#include "light/area.h"
+#include "light/drop.h"
+#include "light/env.h"
+#include "light/sun.h"
+#include "light/light.h"
+#include "material/layered.h"
 #include "path/wave.h"
 
 #include <string.h>

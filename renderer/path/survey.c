@@ -7,8 +7,11 @@
  * for the lamps of a house, most of which burn in other rooms. A few thousand paths from the eye ask all
  * groups at every point and see. What they find changes the noise and never the mean. */
 #include "path/clear.h"
+#include "light/env.h"
+#include "light/light.h"
 #include "path/ray.h"
-#include "path/shade.h"
+#include "material/bsdf.h"
+#include "material/point.h"
 #include "render.h"
 #include "math/sampler.h"
 

@@ -9,6 +9,7 @@
 #define FOVEAD_RENDERER_TRACE_H
 
 #include "path/media.h"
+#include "light/choice.h"
 #include "math/sampler.h"
 #include "scene/scene.h"
 

@@ -7,7 +7,7 @@
 #define FOVEAD_RENDERER_WAVE_H
 
 #include "path/media.h"
-#include "path/shade.h"
+#include "material/surface.h"
 #include "path/trace.h"
 #include "math/v3.h"
 

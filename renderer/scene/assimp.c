@@ -1,5 +1,6 @@
 /* Scene files by assimp: OBJ and what else it reads, but for glTF. */
 #include "scene/assimp.h"
+#include "light/drop.h"
 #include "scene/mtl_file.h"
 
 #include <assimp/cfileio.h>

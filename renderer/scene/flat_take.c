@@ -1,6 +1,6 @@
 /* Taking a scene over: checks everything that the renderer takes for granted in a scene. */
 #include "scene/flat.h"
-#include "scene/material.h"
+#include "material/material.h"
 
 #include <float.h>
 #include <stdarg.h>

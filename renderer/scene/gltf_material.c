@@ -1,7 +1,7 @@
 /* glTF 2.0 materials and their Khronos extensions. */
 #include "scene/find_file.h"
 #include "scene/gltf.h"
-#include "scene/material.h"
+#include "material/material.h"
 
 #include <float.h>
 #include <stdio.h>

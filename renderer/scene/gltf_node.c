@@ -2,6 +2,7 @@
  * that are there many times over by EXT_mesh_gpu_instancing.
  */
 #include "scene/gltf.h"
+#include "light/drop.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* Materials of Wavefront MTL, and of all other formats as far as assimp gives them the same keys. */
 #include "scene/assimp.h"
 #include "scene/find_file.h"
-#include "scene/material.h"
+#include "material/material.h"
 #include "scene/mtl_file.h"
 
 #include <assimp/GltfMaterial.h>

@@ -1,6 +1,11 @@
 /* Loading a scene: the parts in order, and their end. */
 #include "scene/image_reader.h"
 #include "scene/scene.h"
+#include "import/environment.h"
+#include "import/tree.h"
+#include "light/light.h"
+#include "light/sun.h"
+#include "material/material.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -49,7 +54,7 @@ static bool build_geometry(struct building *b)
 static bool build_env(struct building *b)
 {
     return !b->options->env_path ||
-           rnd_env_load(b->scene, b->options->env_path, b->options->env_azimuth, b->warning, b->error);
+           rnd_environment_read(b->scene, b->options->env_path, b->options->env_azimuth, b->warning, b->error);
 }
 
 static void *run(void *argument)

@@ -6,7 +6,7 @@
 #include "renderer.h"
 #include "scene/embree.h"
 #include "scene/image_io.h"
-#include "scene/light.h"
+#include "scene/lights.h"
 #include "scene/record.h"
 #include "scene/texture.h"
 #include "math/sphere.h"
@@ -185,24 +185,6 @@ struct rnd_scene {
     atomic_bool cancelled; /* nobody wants the textures any more */
 };
 
-/* Does light go straight through it? See path/glass.h. */
-static inline bool rnd_is_pane(const struct rnd_mesh *mesh, const struct rnd_material *material)
-{
-    return material->pane && !mesh->colour;
-}
-
-/* Rougher glass scatters so widely that its own drawn lights find what is behind it, and more of the light in
- * it comes out after further bounces than a straight way knows. */
-#define RND_CLEAR_ROUGHNESS 0.25f
-
-static inline bool rnd_is_clear(const struct rnd_scene *scene, uint32_t mesh)
-{
-    const struct rnd_material *material = &scene->material[scene->mesh[mesh].material];
-    return scene->clear_glass && material->kind == RND_RICH && material->transmission > 0.0f &&
-           material->alpha_mode == RND_OPAQUE && material->roughness <= RND_CLEAR_ROUGHNESS &&
-           !rnd_is_pane(&scene->mesh[mesh], material);
-}
-
 /* parts.c: free its arrays. */
 void rnd_mesh_finish(struct rnd_mesh *mesh);
 
@@ -236,12 +218,6 @@ void rnd_textures_drop_unread(struct rnd_scene *scene, struct rnd_warnings *warn
 /* Tell what they take. */
 void rnd_textures_sum(struct rnd_scene *scene);
 
-/* material.c: media, and tables for those that are rough glass. False if memory is short. */
-bool rnd_materials_build(struct rnd_scene *scene);
-
-/* accel.c */
-bool rnd_accel_build(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE]);
-
 /* The mesh that Embree hit: geometry ids of the tree are meshes, and from mesh_count on instances. Returns
  * the instance that it was hit through, or NULL for a mesh in the world; then Embree's normal is in the
  * world too, else in the mesh's own coordinates. Only for hits: geom_id is not RTC_INVALID_GEOMETRY_ID. */
@@ -274,20 +250,6 @@ static inline vec3s rnd_instance_normal(const struct rnd_instance *instance, vec
     return (vec3s){{m[0] * n.x + m[3] * n.y + m[6] * n.z, m[1] * n.x + m[4] * n.y + m[7] * n.z,
                     m[2] * n.x + m[5] * n.y + m[8] * n.z}};
 }
-
-/* alpha.c: what the meshes whose material masks or blends need to be hit only where they are: one entry a
- * mesh, with a function for those that have holes. False when memory is short. */
-bool rnd_alpha_build(struct rnd_scene *scene);
-void rnd_alpha_attach(const struct rnd_scene *scene, uint32_t mesh, RTCGeometry geometry);
-/* Does a mesh have holes? Panes are not counted: they are there. */
-bool rnd_has_coverage(const struct rnd_scene *scene, uint32_t mesh);
-/* Of such a mesh, the chance of a ray to hit at barycentric (u, v): its coverage, and 0 or 1 where a mask
- * decides. */
-float rnd_coverage(const struct rnd_scene *scene, uint32_t mesh, uint32_t triangle, float u, float v);
-/* The texture that its coverage comes from, how that is looked up, and whether its alpha counts, else its
- * red. NULL if it comes from the factor and the vertices alone. */
-const struct rnd_texture *rnd_coverage_texture(const struct rnd_scene *scene, uint32_t mesh,
-                                               const struct rnd_map **out_map, bool *out_by_alpha);
 
 static inline vec3s rnd_vertex(const struct rnd_mesh *mesh, uint32_t i)
 {

@@ -12,9 +12,10 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "path/ggx.h"
-#include "path/glass.h"
-#include "path/shade.h"
+#include "material/ggx.h"
+#include "material/glass.h"
+#include "material/bsdf.h"
+#include "material/point.h"
 #include "statistics.h"
 
 #define LEAST_P 0.001

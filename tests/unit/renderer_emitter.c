@@ -2,6 +2,8 @@
  * is the same by all ways that find it, and what is bright is found as soon as what is large. */
 #include "renderer_parts.h"
 
+#include "light/light.h"
+#include "light/area.h"
 #include "statistics.h"
 
 enum { DRAWS = 200000, RAYS = 1000000 };

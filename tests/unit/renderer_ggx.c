@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "path/ggx.h"
+#include "material/ggx.h"
 
 static const double deg = M_PI / 180.0;
 

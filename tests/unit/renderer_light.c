@@ -2,6 +2,9 @@
  * sphere of light gives what its closed form says; and points ask the lights that reach them. */
 #include "render.h"
 #include "renderer_files.h"
+#include "light/area.h"
+#include "light/env.h"
+#include "light/light.h"
 #include "scene/scene.h"
 #include "statistics.h"
 
@@ -81,8 +84,10 @@ static void environment(void **state)
     }
     files_text("f.mtl", "newmtl floor\nKd 0.5 0.5 0.5\n");
     assert_true(files_image(files_path("env.hdr"), W, H, rgb, true, error));
-    const struct rnd_scene_options options = {
-        .readers = files_readers(), .path = files_text("f.obj", floor_obj), .env_path = files_path("env.hdr"), .env_azimuth = 33.75f};
+    const struct rnd_scene_options options = {.readers = files_readers(),
+                                              .path = files_text("f.obj", floor_obj),
+                                              .env_path = files_path("env.hdr"),
+                                              .env_azimuth = 33.75f};
     struct rnd_scene *scene = rnd_scene_load(&options, error);
     if (!scene) fail_msg("%s", error);
     const struct rnd_env *env = scene->lights.env;

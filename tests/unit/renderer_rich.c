@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-#include "path/rich.h"
+#include "material/layered.h"
 
 static const struct case_of_bsdf cases[] = {
     {.name = "plain", .roughness = 0.5f, .specular = 1},

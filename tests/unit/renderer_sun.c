@@ -2,6 +2,7 @@
  * it lights. */
 #include "renderer_files.h"
 
+#include "light/light.h"
 #include "path/trace.h"
 #include "render.h"
 

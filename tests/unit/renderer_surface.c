@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-#include "path/shade.h"
+#include "material/point.h"
 
 /* A triangle in z = 0 that faces +z, u to the right and v down, as in a picture hung there. */
 static float position[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0}, uv0[] = {0, 1, 1, 1, 0, 0},

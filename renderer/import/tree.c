@@ -1,7 +1,9 @@
 /* Embree: one tree over all triangles of the world, where geometry ids are mesh indices; meshes that are seen
  * many times have a tree of their own, and an instance of it, numbered after the meshes, for each time.
  */
-#include "scene/scene.h"
+#include "import/tree.h"
+#include "material/coverage.h"
+#include "material/glass.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* Tables of rough glass: means over visible normals, with Fresnel's equations and the masking of rich.c. */
-#include "path/glass.h"
-#include "path/rich.h"
+#include "material/glass.h"
+#include "material/ggx.h"
 
 #include <stdlib.h>
 

@@ -1,8 +1,8 @@
 /* What materials of all formats share: the default, reflectance, and the stage of the integrator they need.
  */
-#include "scene/material.h"
-#include "path/ggx.h"
-#include "path/glass.h"
+#include "material/material.h"
+#include "material/ggx.h"
+#include "material/glass.h"
 
 #include <stdlib.h>
 

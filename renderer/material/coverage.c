@@ -5,8 +5,8 @@
  * coin is a hash of the ray and the triangle, so that nothing is remembered: the same ray meets the same
  * surface however often and in whatever order Embree asks.
  */
-#include "path/glass.h"
-#include "scene/scene.h"
+#include "material/coverage.h"
+#include "material/glass.h"
 
 #include <stdlib.h>
 #include <string.h>

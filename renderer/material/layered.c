@@ -12,7 +12,7 @@
  *   bounce would bring. It is seen from inside without clearcoat and sheen.
  * - KHR_materials_specular, _ior: reflectance of the non-metal. Glass uses Fresnel's equations, scaled to it.
  * - KHR_materials_unlit: nothing is scattered; the surface's emission is its base colour. */
-#include "path/rich.h"
+#include "material/layered.h"
 
 /* --- sheen --- */
 

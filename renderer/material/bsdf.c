@@ -1,6 +1,6 @@
 /* Materials at a hit, by the kind that serves them: Lambert, glTF 2.0 metallic-roughness, all else. */
-#include "path/shade.h"
-#include "path/rich.h"
+#include "material/bsdf.h"
+#include "material/layered.h"
 
 static struct rnd_mr metal_rough(const struct rnd_surface *s)
 {

@@ -37,6 +37,12 @@ static inline float rnd_fresnel_scaled(float whole, float eta, float f0, float s
  * chance of light to do so, whatever its colour, and what hits it is reflected, or is the rest that a tint
  * lets through. So light is found through a window as well as without it, shadow rays and all. */
 
+/* Does light go straight through the mesh? */
+static inline bool rnd_is_pane(const struct rnd_mesh *mesh, const struct rnd_material *material)
+{
+    return material->pane && !mesh->colour;
+}
+
 /* Share of light that a pane reflects, and that passes it unseen, at the cosine between its way and the
  * triangle. */
 static inline float rnd_pane_reflects(const struct rnd_material *material, float cosine, float *out_passes)
@@ -46,6 +52,20 @@ static inline float rnd_pane_reflects(const struct rnd_material *material, float
                 reflected = rnd_fresnel_scaled(whole, material->ior, material->f0, material->specular);
     *out_passes = glms_vec3_min(material->base) * (1.0f - reflected);
     return reflected;
+}
+
+/* --- clear glass --- */
+
+/* Rougher glass scatters so widely that its own drawn lights find what is behind it, and more of the light in
+ * it comes out after further bounces than a straight way knows. */
+#define RND_CLEAR_ROUGHNESS 0.25f
+
+static inline bool rnd_is_clear(const struct rnd_scene *scene, uint32_t mesh)
+{
+    const struct rnd_material *material = &scene->material[scene->mesh[mesh].material];
+    return scene->clear_glass && material->kind == RND_RICH && material->transmission > 0.0f &&
+           material->alpha_mode == RND_OPAQUE && material->roughness <= RND_CLEAR_ROUGHNESS &&
+           !rnd_is_pane(&scene->mesh[mesh], material);
 }
 
 /* --- rough glass --- */

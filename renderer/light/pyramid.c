@@ -1,6 +1,6 @@
 /* Pyramids of textures: every level is the mean of the one below it, whose squares at the right and the lower
  * border may be less than whole. */
-#include "scene/pyramid.h"
+#include "light/pyramid.h"
 
 #include <stdlib.h>
 

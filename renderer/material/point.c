@@ -1,7 +1,7 @@
 /* The surface at a hit: what textures, vertex colours and normal maps make of a material at a point. */
-#include "path/ggx.h"
-#include "path/glass.h"
-#include "path/shade.h"
+#include "material/point.h"
+#include "material/ggx.h"
+#include "material/glass.h"
 
 #include <string.h>
 

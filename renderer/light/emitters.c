@@ -1,7 +1,10 @@
 /* Emissive triangles: how often each is drawn. A triangle whose texture or coverage makes its light uneven is
  * divided into parts, the more the brighter they are: a bright spot is drawn as often as it should be. */
-#include "scene/pyramid.h"
-#include "scene/scene.h"
+#include "light/emitters.h"
+#include "light/area.h"
+#include "light/lamps.h"
+#include "light/pyramid.h"
+#include "material/coverage.h"
 
 #include <stdlib.h>
 
@@ -381,7 +384,9 @@ static uint64_t count_emitters(struct builder *b, bool *out_ok)
     return count;
 }
 
-bool rnd_emitters_build(struct rnd_scene *scene, float **out_weight)
+/* Fill the lights' areas, and mark the meshes. *out_weight: by which each area is to be drawn; the caller
+ * frees. */
+static bool find_areas(struct rnd_scene *scene, float **out_weight)
 {
     struct rnd_lights *lights = &scene->lights;
     struct builder b = {.scene = scene};
@@ -414,5 +419,29 @@ end:
     free(b.look);
     free(b.heap);
     free(b.undivided);
+    return ok;
+}
+
+bool rnd_areas_build(struct rnd_scene *scene, double *out_power)
+{
+    struct rnd_lights *lights = &scene->lights;
+    float *weight;
+    double sum = 0.0;
+    bool ok = find_areas(scene, &weight);
+    if (!ok || lights->area_count == 0) goto end;
+    vec3s *position = malloc(lights->area_count * sizeof *position);
+    ok = position != NULL;
+    for (uint32_t i = 0; ok && i < lights->area_count; i++) {
+        const struct rnd_area *area = &lights->area[i];
+        const struct rnd_v3 middle = rnd_v3_muladd(rnd_v3_add(area->e1, area->e2), 1.0f / 3.0f, area->corner);
+        position[i] = (vec3s){{middle.x, middle.y, middle.z}};
+        sum += (double)weight[i];
+    }
+    if (ok && sum > 0.0 && isfinite(sum))
+        ok = rnd_lamps_build(&lights->lamps[RND_LIGHT_AREA], position, weight, lights->area_count);
+    free(position);
+end:
+    *out_power = sum;
+    free(weight);
     return ok;
 }

@@ -1,20 +1,10 @@
 /* RND_RICH: all that glTF's extensions lay over and put in place of metallic-roughness. */
-#ifndef FOVEAD_RENDERER_RICH_H
-#define FOVEAD_RENDERER_RICH_H
+#ifndef FOVEAD_RENDERER_LAYERED_H
+#define FOVEAD_RENDERER_LAYERED_H
 
-#include "path/ggx.h"
-#include "path/glass.h"
-#include "path/shade.h"
-
-static inline struct rnd_v3 rnd_to_v3(vec3s a)
-{
-    return rnd_v3(a.x, a.y, a.z);
-}
-
-static inline vec3s rnd_from_v3(struct rnd_v3 a)
-{
-    return (vec3s){{a.x, a.y, a.z}};
-}
+#include "material/ggx.h"
+#include "material/glass.h"
+#include "material/surface.h"
 
 /* rnd_bsdf() and rnd_bsdf_draw() for RND_RICH. */
 vec3s rnd_rich_bsdf(const struct rnd_surface *surface, vec3s wo, vec3s wi, float *out_pdf);

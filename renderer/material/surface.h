@@ -1,7 +1,8 @@
-/* What light does at a surface: materials evaluated at a hit, drawn from and evaluated as BSDFs. */
-#ifndef FOVEAD_RENDERER_SHADE_H
-#define FOVEAD_RENDERER_SHADE_H
+/* A point on a surface as its material is there: what BSDFs are evaluated from and drawn from. */
+#ifndef FOVEAD_RENDERER_SURFACE_H
+#define FOVEAD_RENDERER_SURFACE_H
 
+#include "math/v3.h"
 #include "scene/scene.h"
 
 /* What RND_RICH has besides; glTF's textures are in it. */
@@ -48,10 +49,6 @@ struct rnd_hit {
     const struct rnd_instance *instance; /* through which the mesh is seen, or NULL: the world's own */
 };
 
-/* point.c: the surface at a hit of a ray with that direction. */
-void rnd_surface_at(const struct rnd_scene *scene, const struct rnd_hit *hit, vec3s direction,
-                    struct rnd_surface *out);
-
 /* The border of a material with a volume in air, met from its front or its back. */
 static inline struct rnd_interface rnd_interface_in_air(const struct rnd_material *material, bool front)
 {
@@ -60,11 +57,6 @@ static inline struct rnd_interface rnd_interface_in_air(const struct rnd_materia
         .eta = eta, .squeeze = 1.0f / (eta * eta), .glass = material->glass[0], .inside = !front};
 }
 
-/* BSDF times cosine for light from wi leaving along wo (unit, away from the surface, wo on the side of the
- * normals, wi anywhere), and the density with which rnd_bsdf_draw() draws wi, per steradian. What is smooth
- * and transmits has no such density and gives nothing. */
-vec3s rnd_bsdf(const struct rnd_surface *surface, vec3s wo, vec3s wi, float *out_pdf);
-
 struct rnd_bsdf_sample {
     vec3s wi;
     vec3s weight; /* BSDF times cosine over density */
@@ -72,13 +64,14 @@ struct rnd_bsdf_sample {
     bool delta;   /* a single direction: next-event estimation cannot find it */
 };
 
-/* Draw a direction, below the surface too if it transmits; u are three numbers in [0,1). False if the path
- * ends here. */
-bool rnd_bsdf_draw(const struct rnd_surface *surface, vec3s wo, const float u[3],
-                   struct rnd_bsdf_sample *out);
+static inline struct rnd_v3 rnd_to_v3(vec3s a)
+{
+    return rnd_v3(a.x, a.y, a.z);
+}
 
-/* The position moved off the surface towards the side that direction points to, so that a ray from it does
- * not hit the triangle that it left (Waechter and Binder 2019, Ray Tracing Gems ch. 6). */
-vec3s rnd_leave(const struct rnd_surface *surface, vec3s direction);
+static inline vec3s rnd_from_v3(struct rnd_v3 a)
+{
+    return (vec3s){{a.x, a.y, a.z}};
+}
 
 #endif
