@@ -1,6 +1,6 @@
 /* Next-event estimation, first half: a light is chosen for every point, from groups as often as the survey
  * found worth while, and one of the group in the same way. */
-#include "path/wave.h"
+#include "path/lights.h"
 #include "light/area.h"
 #include "light/env.h"
 #include "light/sun.h"

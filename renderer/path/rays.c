@@ -3,10 +3,10 @@
  * What is one-sided is not there for an eye that looks at its back: glTF's back-face culling (glTF 2.0,
  * section 3.9.6), which speaks of what is seen. For light every surface has two sides, or walls that are
  * culled for a view into a room would let the sky in. */
+#include "path/rays.h"
 #include "path/clear.h"
 #include "path/ray.h"
 #include "path/tape.h"
-#include "path/wave.h"
 
 _Static_assert((int)RND_WAVE <= (int)RND_EMBREE_RAYS, "a wave goes to Embree in one call");
 

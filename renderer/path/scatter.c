@@ -2,11 +2,11 @@
  *
  * Matt and metallic-roughness surfaces are done by vector instructions, all others one at a time by shade.c.
  */
+#include "path/scatter.h"
 #include "material/ggx.h"
 #include "material/bsdf.h"
 #include "light/light.h"
 #include "material/layered.h"
-#include "path/wave.h"
 
 /* Bounces before Russian roulette begins. From then on a path goes on as often as the square root of what is
  * left of it: more paths that are shorter are as good in the same time. Of it behind the first surface, that

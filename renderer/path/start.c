@@ -1,6 +1,6 @@
 /* Where paths begin: their place within the pixel and all that follows are the pixel's own random numbers. */
+#include "path/start.h"
 #include "math/uv.h"
-#include "path/wave.h"
 
 #include <string.h>
 

@@ -1,5 +1,6 @@
 /* From hits to surfaces: which mesh, which material, the normals, the textures. And the light that needs no
  * light to be chosen: the sky's where a ray hit nothing, and what a surface emits itself. */
+#include "path/surface.h"
 #include "material/ggx.h"
 #include "material/point.h"
 #include "light/area.h"
@@ -8,7 +9,6 @@
 #include "light/sun.h"
 #include "light/light.h"
 #include "material/layered.h"
-#include "path/wave.h"
 
 #include <string.h>
 

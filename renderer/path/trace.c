@@ -1,6 +1,10 @@
 /* The path integrator: a wave of paths, stage after stage, until none is left. */
 #include "path/trace.h"
-#include "path/wave.h"
+#include "path/lights.h"
+#include "path/rays.h"
+#include "path/scatter.h"
+#include "path/start.h"
+#include "path/surface.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -16,11 +20,6 @@ struct stages {
 };
 
 #define STAGES(isa)                                                                                          \
-    void RND_JOIN(rnd_start, isa)(struct rnd_tracer *, const float[3], uint32_t);                            \
-    uint32_t RND_JOIN(rnd_surface, isa)(struct rnd_tracer *, uint32_t);                                      \
-    void RND_JOIN(rnd_emission, isa)(struct rnd_tracer *, uint32_t);                                         \
-    void RND_JOIN(rnd_choose_lights, isa)(struct rnd_tracer *, uint32_t);                                    \
-    uint32_t RND_JOIN(rnd_scatter, isa)(struct rnd_tracer *, uint32_t);                                      \
     static const struct stages RND_JOIN(stages, isa) = {                                                     \
         RND_JOIN(rnd_start, isa), RND_JOIN(rnd_surface, isa), RND_JOIN(rnd_emission, isa),                   \
         RND_JOIN(rnd_choose_lights, isa), RND_JOIN(rnd_scatter, isa)};

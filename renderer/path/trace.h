@@ -8,24 +8,10 @@
 #ifndef FOVEAD_RENDERER_TRACE_H
 #define FOVEAD_RENDERER_TRACE_H
 
-#include "path/media.h"
 #include "light/choice.h"
-#include "math/sampler.h"
+#include "path/media.h"
+#include "path/wave_io.h"
 #include "scene/scene.h"
-
-enum {
-    RND_WAVE = 512, /* most paths of a wave */
-};
-
-/* Dimension 0 of a path's random numbers is its place within the pixel; the rest are the tracer's. */
-enum { RND_DIMENSION_PIXEL, RND_DIMENSION_PATH };
-
-/* What goes into a wave and comes out of it, a path each. */
-struct rnd_wave_io {
-    uint32_t x[RND_WAVE], y[RND_WAVE]; /* pixel of the film */
-    uint32_t number[RND_WAVE];         /* of the pixel's paths, this is which */
-    float radiance[3][RND_WAVE];
-};
 
 struct rnd_tracer; /* one thread's memory for waves */
 

@@ -6,10 +6,12 @@
 #ifndef FOVEAD_RENDERER_WAVE_H
 #define FOVEAD_RENDERER_WAVE_H
 
-#include "path/media.h"
+#include "light/choice.h"
 #include "material/surface.h"
-#include "path/trace.h"
+#include "math/sampler.h"
 #include "math/v3.h"
+#include "path/media.h"
+#include "path/wave_io.h"
 
 #define RND_JOIN_(a, b) a##_##b
 #define RND_JOIN(a, b)  RND_JOIN_(a, b)
@@ -17,6 +19,11 @@
 #define RND_ISA plain
 #endif
 #define ISA(name) RND_JOIN(name, RND_ISA)
+/* Declares a stage as it is compiled for every instruction set. */
+#define RND_EACH_ISA(type, name, ...)                                                                        \
+    type name##_plain(__VA_ARGS__);                                                                          \
+    type name##_v3(__VA_ARGS__);                                                                             \
+    type name##_v4(__VA_ARGS__)
 
 /* One value of every path. */
 typedef float rnd_floats[RND_WAVE] __attribute__((aligned(64)));
@@ -233,27 +240,5 @@ RND_INLINE struct rnd_v3 rnd_clamp_firefly(struct rnd_v3 radiance, float limit)
     const float bright = rnd_v3_luminance(radiance);
     return rnd_v3_scale(radiance, bright > limit ? limit / bright : 1.0f);
 }
-
-/* start.c: paths through the wave's pixels, from the eye. */
-void ISA(rnd_start)(struct rnd_tracer *tracer, const float eye[3], uint32_t count);
-
-/* rays.c: what paths hit; what an eye sees that looks at the backs of what is one-sided; and which shadow
- * rays get through, whose radiance is added. */
-void rnd_intersect(struct rnd_tracer *tracer, struct rnd_paths *paths, uint32_t count, bool coherent);
-void rnd_pass_backs(struct rnd_tracer *tracer, const struct rnd_paths *paths, uint32_t count);
-void rnd_occlude(struct rnd_tracer *tracer);
-
-/* surface.c: of count rays that were traced from paths 0, add the sky's radiance for those that hit nothing;
- * the others go to paths 1, sorted, with their surfaces. Returns their number. Then what the surfaces
- * themselves emit. */
-uint32_t ISA(rnd_surface)(struct rnd_tracer *tracer, uint32_t count);
-void ISA(rnd_emission)(struct rnd_tracer *tracer, uint32_t count);
-
-/* lights.c: choose a light for each point of paths 1. */
-void ISA(rnd_choose_lights)(struct rnd_tracer *tracer, uint32_t count);
-
-/* scatter.c: what of the lights is scattered towards the eye: shadow rays; and where the paths of paths 1 go
- * on: into paths 0. Returns the number of those that do; the last step has no such. */
-uint32_t ISA(rnd_scatter)(struct rnd_tracer *tracer, uint32_t count);
 
 #endif

@@ -1,0 +1,10 @@
+/* The first stage: paths begin. */
+#ifndef FOVEAD_RENDERER_PATH_START_H
+#define FOVEAD_RENDERER_PATH_START_H
+
+#include "path/wave.h"
+
+/* Begin count paths through the wave's pixels, at the eye: paths 0. */
+RND_EACH_ISA(void, rnd_start, struct rnd_tracer *tracer, const float eye[3], uint32_t count);
+
+#endif
