@@ -78,12 +78,12 @@ static bool drop_old(struct dmn_loop *loop, uint32_t changes, size_t count)
     uint64_t newest = loop->common->generation;
 
     for (uint32_t i = 0; i < changes; i++)
-        if (loop->tiles[loop->changed[i]].generation + 1ull > newest)
-            newest = loop->tiles[loop->changed[i]].generation + 1ull;
+        if (loop->tiles[loop->changed[i]].generation > newest)
+            newest = loop->tiles[loop->changed[i]].generation;
     if (newest == loop->common->generation) return false;
     loop->common->generation = newest;
     for (size_t i = 0; i < count; i++)
-        if (loop->tiles[i].generation + 1ull != newest)
+        if (loop->tiles[i].generation != newest)
             loop->tiles[i] = (struct rnd_tile){
                 .unvisited = RND_TILE * RND_TILE, .error = INFINITY, .sure_error = INFINITY};
     return true;

@@ -197,7 +197,7 @@ static uint8_t *tile(struct dmn_session *session, const struct dmn_place *place,
     session->next++;
     if (!rnd_render_read(session->common->render, place->level, place->x, place->y, rgb, &state)) return NULL;
     /* The plan, and what is known of the tile, are of the picture before this one. */
-    if (state.generation + 1 != session->generation) return NULL;
+    if (state.generation != session->generation) return NULL;
     tile.data.data = pro_encode(session->encoding, rgb, RND_TILE, &tile.data.len);
     if (!tile.data.data) return NULL;
     session->sent[place->index] = (struct dmn_tile){state.samples, known->converged, known->settled};

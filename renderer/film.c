@@ -29,7 +29,7 @@ bool rnd_film_init(struct rnd_film *film, int width, int height, float error_bar
         struct rnd_film_tile *tile = &film->tile[t];
         pthread_mutex_init(&tile->lock, NULL);
         tile->pixels = &film->pixels[t];
-        rnd_film_empty(film, tile, 0);
+        rnd_film_empty(film, tile, 1);
     }
     return true;
 }

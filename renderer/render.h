@@ -30,7 +30,7 @@ struct rnd_render {
     int workers;
     uint32_t seed;
     uint32_t next_cell;  /* cells of positions drawn so far */
-    uint32_t generation; /* restarts so far */
+    uint32_t generation; /* of the film, from 1: each restart begins the next */
     bool surveyed;       /* the lights, from this eye */
     struct rnd_light_choice choice;
 

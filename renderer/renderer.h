@@ -215,7 +215,7 @@ struct rnd_tile {
     float luminance;  /* mean, once the error is known */
     bool converged;   /* sure_error is not above the bar */
     uint64_t gaze_sequence, gaze_ns, aimed_ns; /* of the newest batch that reached it */
-    uint32_t generation;                       /* how often the render had been restarted before all this */
+    uint32_t generation; /* of the film, from 1: each restart begins the next */
 };
 
 /* Level 0 is the film; every next level halves it, down to the last that is whole tiles. */

@@ -309,6 +309,7 @@ struct rnd_render *rnd_render_create(const struct rnd_scene *scene, const struct
     if (!render) goto no_memory;
     pthread_mutex_init(&render->whole, NULL);
     render->scene = scene;
+    render->generation = 1;
     go_to(render, scene, scene->info.eye);
     render->distribution = options->distribution;
     render->seed = rnd_hash2((uint32_t)options->seed, (uint32_t)(options->seed >> 32));

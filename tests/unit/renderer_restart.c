@@ -133,7 +133,7 @@ static void empty(void **state)
     struct rnd_tile tiles[TILES], tile;
     float rgb[RND_TILE * RND_TILE * 3];
     struct rnd_render *render = make(room, WIDTH, "fv", 2);
-    for (uint32_t generation = 0; generation < 3; generation++) {
+    for (uint32_t generation = 1; generation <= 3; generation++) {
         rnd_render_tiles(render, tiles);
         read_all(render, &all);
         for (int t = 0; t < TILES; t++) {
@@ -164,10 +164,10 @@ struct reader {
     _Atomic uint64_t whole[2], tiles[2], wrong; /* how often each world was seen, in pictures and in tiles */
 };
 
-/* Even generations are white, odd ones grey. */
+/* Odd generations are white, even ones grey. */
 static float shade_of(uint32_t generation)
 {
-    return generation % 2 ? 0.125f : 1.0f;
+    return generation % 2 ? 1.0f : 0.125f;
 }
 
 static void read_picture(struct reader *reader)
@@ -191,7 +191,7 @@ static void *read_on(void *argument)
         for (int level = 0; level < 3; level++) {
             struct rnd_tile tile;
             if (!rnd_render_read(reader->render, level, 1 >> level, 0, rgb, &tile)) continue;
-            reader->tiles[tile.generation % 2]++;
+            reader->tiles[(tile.generation + 1) % 2]++;
             for (int i = 0; i < RND_TILE * RND_TILE; i++)
                 reader->wrong += fabsf(rgb[3 * i] - shade_of(tile.generation)) > 1e-5f;
         }
@@ -216,7 +216,7 @@ static void readers(void **state)
     static const double eye[3] = {0, 0, 0};
     struct rnd_scene *world[2];
     for (int i = 0; i < 2; i++)
-        world[i] = files_load(path, files_env(i ? "grey.exr" : "white.exr", shade_of((uint32_t)i)), NULL,
+        world[i] = files_load(path, files_env(i ? "grey.exr" : "white.exr", shade_of((uint32_t)i + 1)), NULL,
                               (float[]){0, 0, 0});
     struct rnd_render *render = make(world[0], WIDTH, "od", 2);
     struct reader reader = {.render = render};

@@ -124,7 +124,7 @@ static void published(void **state)
     rnd_render_restart(render, room, rnd_scene_info(room)->eye);
     assert_int_equal(rnd_render_published(render, known, changed), TILES);
     assert_known(render, known);
-    assert_int_equal(known[0].generation, 1);
+    assert_int_equal(known[0].generation, 2);
     rnd_render_destroy(render);
 }
 
