@@ -12,7 +12,6 @@
 #include <string.h>
 
 enum {
-    PREFIX = 4,
     FIRST_SIZE = 4 << 10,
     /* Beyond a copy of the frame's own bytes, unpacking an honest message needs its structures and
      * protobuf-c's notes on more than 16 fields. A frame of millions of two-byte unknown fields would want
@@ -33,7 +32,7 @@ void pro_reader_finish(struct pro_reader *reader)
 
 bool pro_reader_add(struct pro_reader *reader, const void *bytes, size_t count)
 {
-    size_t most = reader->limit + PREFIX + PRO_CHUNK;
+    size_t most = reader->limit + PRO_PREFIX + PRO_CHUNK;
     if (count > most - reader->used) return false;
     if (count == 0) return true;
 
@@ -59,13 +58,13 @@ bool pro_reader_add(struct pro_reader *reader, const void *bytes, size_t count)
 static uint32_t frame_length(const struct pro_reader *reader)
 {
     uint32_t length;
-    memcpy(&length, reader->bytes + reader->start, PREFIX);
+    memcpy(&length, reader->bytes + reader->start, PRO_PREFIX);
     return be32toh(length);
 }
 
 bool pro_reader_ready(const struct pro_reader *reader)
 {
-    return reader->used >= PREFIX && reader->used - PREFIX >= frame_length(reader);
+    return reader->used >= PRO_PREFIX && reader->used - PRO_PREFIX >= frame_length(reader);
 }
 
 static void *budget_alloc(void *data, size_t size)
@@ -86,7 +85,7 @@ enum pro_result pro_reader_take(struct pro_reader *reader, Fovea__Message **out_
                                 char out_error[PRO_ERROR_SIZE])
 {
     *out_message = NULL;
-    if (reader->used < PREFIX) return PRO_MORE;
+    if (reader->used < PRO_PREFIX) return PRO_MORE;
     uint32_t length = frame_length(reader);
     if (length == 0) {
         pro_fail(out_error, "a message of length zero");
@@ -96,12 +95,12 @@ enum pro_result pro_reader_take(struct pro_reader *reader, Fovea__Message **out_
         pro_fail(out_error, "a message of %u bytes, where %zu is the limit", length, reader->limit);
         return PRO_BROKEN;
     }
-    if (reader->used - PREFIX < length) return PRO_MORE;
+    if (reader->used - PRO_PREFIX < length) return PRO_MORE;
 
     size_t budget = length + UNPACK_SLACK;
     ProtobufCAllocator allocator = {budget_alloc, budget_free, &budget};
     Fovea__Message *message =
-        fovea__message__unpack(&allocator, length, reader->bytes + reader->start + PREFIX);
+        fovea__message__unpack(&allocator, length, reader->bytes + reader->start + PRO_PREFIX);
     if (!message) {
         pro_fail(out_error, "%u bytes that are not a message", length);
         return PRO_BROKEN;
@@ -112,22 +111,35 @@ enum pro_result pro_reader_take(struct pro_reader *reader, Fovea__Message **out_
         pro_fail(out_error, "a message with no known body");
         return PRO_BROKEN;
     }
-    reader->start += PREFIX + length;
-    reader->used -= PREFIX + length;
+    reader->start += PRO_PREFIX + length;
+    reader->used -= PRO_PREFIX + length;
     if (reader->used == 0) reader->start = 0;
     *out_message = message;
     return PRO_MESSAGE;
 }
 
-uint8_t *pro_pack(const Fovea__Message *message, size_t headroom, size_t *out_count)
+uint8_t *pro_pack_message(const Fovea__Message *message, size_t headroom, size_t *out_count)
 {
     size_t length = fovea__message__get_packed_size(message);
     if (length > PRO_MAX_TO_CLIENT) return NULL;
-    uint8_t *bytes = malloc(headroom + PREFIX + length);
+    uint8_t *bytes = malloc(headroom + length);
     if (!bytes) return NULL;
-    uint32_t prefix = htobe32((uint32_t)length);
-    memcpy(bytes + headroom, &prefix, PREFIX);
-    fovea__message__pack(message, bytes + headroom + PREFIX);
-    *out_count = PREFIX + length;
+    fovea__message__pack(message, bytes + headroom);
+    *out_count = length;
+    return bytes;
+}
+
+void pro_put_length(uint8_t out_prefix[PRO_PREFIX], size_t count)
+{
+    uint32_t length = htobe32((uint32_t)count);
+    memcpy(out_prefix, &length, PRO_PREFIX);
+}
+
+uint8_t *pro_pack(const Fovea__Message *message, size_t headroom, size_t *out_count)
+{
+    uint8_t *bytes = pro_pack_message(message, headroom + PRO_PREFIX, out_count);
+    if (!bytes) return NULL;
+    pro_put_length(bytes + headroom, *out_count);
+    *out_count += PRO_PREFIX;
     return bytes;
 }

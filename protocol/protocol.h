@@ -24,6 +24,7 @@ enum {
     PRO_MAX_TO_DAEMON = 64 << 10, /* longest frame a client may send, bytes without the length */
     PRO_MAX_TO_CLIENT = 8 << 20,  /* longest frame the daemon may send */
     PRO_CHUNK = 64 << 10,         /* most bytes to give a reader at a time */
+    PRO_PREFIX = 4,               /* bytes of the length before a message in a frame: big-endian */
     PRO_MAX_TILE = 256,           /* pixels a side */
     PRO_MAX_WIDTH = 65536,        /* pixels of a film, and of its height */
     PRO_MAX_PIXELS = 1 << 29,     /* of a film in all */
@@ -58,9 +59,15 @@ enum pro_result { PRO_MESSAGE, PRO_MORE, PRO_BROKEN };
 enum pro_result pro_reader_take(struct pro_reader *reader, Fovea__Message **out_message,
                                 char out_error[PRO_ERROR_SIZE]);
 
-/* Pack a message with its length before it. Returns malloc'ed bytes (the caller frees) and their count, or
- * NULL when memory is short or the message is longer than PRO_MAX_TO_CLIENT. headroom bytes are left free
- * before the frame and not counted. */
+/* Pack a message alone, without a frame. Returns malloc'ed bytes (the caller frees) and their count, or NULL
+ * when memory is short or the message is longer than PRO_MAX_TO_CLIENT. headroom bytes are left free before
+ * the message and not counted. */
+uint8_t *pro_pack_message(const Fovea__Message *message, size_t headroom, size_t *out_count);
+
+/* Write the length of a packed message into the PRO_PREFIX bytes that go before it in a frame. */
+void pro_put_length(uint8_t out_prefix[PRO_PREFIX], size_t count);
+
+/* Pack a message as a frame: as pro_pack_message(), with its length before it. */
 uint8_t *pro_pack(const Fovea__Message *message, size_t headroom, size_t *out_count);
 
 /* --- encodings ----------------------------------------------------------------------------------------- */

@@ -154,8 +154,15 @@ static void headroom(void **state)
     assert_int_equal(shifted, plain);
     assert_memory_equal(a, wire, sizeof wire);
     assert_memory_equal(b + 32, wire, sizeof wire);
+    /* The message alone, and its length, make the same frame. */
+    uint8_t *alone = pro_pack_message(&message, 32, &shifted), frame[sizeof wire];
+    assert_int_equal(PRO_PREFIX + shifted, sizeof wire);
+    pro_put_length(frame, shifted);
+    memcpy(frame + PRO_PREFIX, alone + 32, shifted);
+    assert_memory_equal(frame, wire, sizeof wire);
     free(a);
     free(b);
+    free(alone);
 }
 
 static void too_long_to_pack(void **state)
