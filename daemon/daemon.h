@@ -6,7 +6,7 @@
  *   workers.
  * - With the real clock one thread reads the gaze source (gaze.c). With the virtual clock the painter reads
  *   it, so that the same log gives the same film.
- * - One thread writes files that clients asked for (saver.c).
+ * - One thread does jobs that wait for the disk (jobs.c).
  * The others wake the loop; the loop never waits for them.
  */
 #ifndef FOVEAD_DAEMON_H

@@ -9,7 +9,8 @@
 
 #include <stdio.h>
 
-#include "session.h"
+#include "paint.h"
+#include "picture.h"
 
 struct dmn_edits;
 

@@ -16,6 +16,7 @@
 #include "edits.h"
 #include "file.h"
 #include "image.h"
+#include "jobs.h"
 #include "loop.h"
 #include "report.h"
 #include "streams.h"
@@ -54,7 +55,8 @@ static void on_signal(int number)
 struct daemon {
     struct dmn_options options;
     struct rnd_scene *scene;
-    struct dmn_common common;
+    struct dmn_handles handles;
+    struct dmn_picture picture;
     struct dmn_listener listener[DMN_MAX_LISTEN];
     int listeners;
     struct dmn_loop *loop;
@@ -84,7 +86,8 @@ static bool handle_signals(void)
 static bool load(struct daemon *daemon)
 {
     struct dmn_options *options = &daemon->options;
-    struct dmn_common *common = &daemon->common;
+    struct dmn_handles *handles = &daemon->handles;
+    struct dmn_picture *picture = &daemon->picture;
     struct rnd_scene_options scene;
     char error[RND_ERROR_SIZE];
     cpu_set_t processors;
@@ -94,22 +97,21 @@ static bool load(struct daemon *daemon)
             sched_getaffinity(0, sizeof(processors), &processors) ? 1 : CPU_COUNT(&processors);
     /* Better now than after a night of rendering. */
     if (options->save && !dmn_file_check(options->save, true, error)) return fail(error);
-    common->options = options;
+    handles->options = options;
     options->scene.readers = rnd_readers_create();
     if (!options->scene.readers) return fail("out of memory");
     scene = options->scene;
-    common->gaze = dmn_gaze_open(options, error);
-    if (!common->gaze) return fail(error);
-    if (options->watch && !(common->edits = dmn_edits_create(&options->scene, error))) return fail(error);
+    handles->gaze = dmn_gaze_open(options, error);
+    if (!handles->gaze) return fail(error);
+    if (options->watch && !(handles->edits = dmn_edits_create(&options->scene, error))) return fail(error);
     scene.textures_later = !options->virtual_clock; /* when they come is no two times the same */
     daemon->scene = rnd_scene_load(&scene, error);
     if (!daemon->scene) return fail(error);
-    common->render = rnd_render_create(daemon->scene, &options->render, error);
-    if (!common->render) return fail(error);
-    dmn_report_scene(rnd_scene_info(daemon->scene), options->scene.path, common->words.line,
-                     sizeof(common->words.line));
-    if (!dmn_pyramid_init(&common->pyramid, options->render.width, options->render.height,
-                          rnd_render_levels(common->render)))
+    handles->render = rnd_render_create(daemon->scene, &options->render, error);
+    if (!handles->render) return fail(error);
+    dmn_report_scene(rnd_scene_info(daemon->scene), options->scene.path, picture->scene.line,
+                     sizeof(picture->scene.line));
+    if (!dmn_picture_init(picture, handles->render, options->render.width, options->render.height))
         return fail("out of memory");
     return true;
 }
@@ -136,9 +138,9 @@ static void print_start(const struct daemon *daemon)
     struct dmn_gaze_state gaze;
     char address[PRO_ERROR_SIZE];
 
-    dmn_gaze_state(daemon->common.gaze, &gaze);
+    dmn_gaze_state(daemon->handles.gaze, &gaze);
     dmn_report_left_out(info, options->scene.path);
-    dmn_print(daemon->out, "scene    %s\n", daemon->common.words.line);
+    dmn_print(daemon->out, "scene    %s\n", daemon->picture.scene.line);
     dmn_print(daemon->out, "eye      %.8g,%.8g,%.8g m\n", info->eye[0], info->eye[1], info->eye[2]);
     dmn_print(daemon->out, "gaze     %s\n", gaze.source.description);
     if (*gaze.recording) dmn_print(daemon->out, "records  %s\n", gaze.recording);
@@ -174,23 +176,30 @@ static void on_tick(void *argument)
     struct dmn_gaze_state gaze;
     struct dmn_work work;
 
-    dmn_gaze_state(daemon->common.gaze, &gaze);
+    dmn_gaze_state(daemon->handles.gaze, &gaze);
     dmn_report_recording(&daemon->told, &gaze);
-    dmn_painter_work(daemon->common.painter, &work);
+    dmn_painter_work(daemon->handles.painter, &work);
     dmn_report_progress(&daemon->bar, &daemon->options, &work);
 }
 
 static bool start(struct daemon *daemon)
 {
-    struct dmn_common *common = &daemon->common;
-    const struct dmn_level *level = &common->pyramid.level[0];
-    struct dmn_loop_options loop = {common, signal_fd, daemon->listener, daemon->listeners, on_tick, daemon};
+    struct dmn_handles *handles = &daemon->handles;
+    struct dmn_loop_options loop = {
+        .handles = handles,
+        .picture = &daemon->picture,
+        .signal_fd = signal_fd,
+        .listener = daemon->listener,
+        .listeners = daemon->listeners,
+        .tick = on_tick,
+        .context = daemon,
+    };
     struct dmn_painter_options painter = {
-        .render = common->render,
-        .gaze = common->gaze,
+        .render = handles->render,
+        .gaze = handles->gaze,
         .scene = daemon->scene,
         .pixels = (uint64_t)daemon->options.render.width * (uint64_t)daemon->options.render.height,
-        .tiles = (uint32_t)(level->columns * level->rows),
+        .tiles = daemon->picture.tiles,
         .until = daemon->options.until,
         .virtual_clock = daemon->options.virtual_clock,
         .threads = daemon->options.render.threads,
@@ -203,40 +212,40 @@ static bool start(struct daemon *daemon)
     daemon->loop = dmn_loop_create(&loop, error);
     if (!daemon->loop) return fail(error);
     painter.context = daemon->loop;
-    common->saver = dmn_saver_start(common->render, common->gaze, dmn_loop_wake, daemon->loop);
-    if (!common->saver) return fail("no thread can be made");
+    handles->jobs = dmn_jobs_start(handles, dmn_loop_wake, daemon->loop);
+    if (!handles->jobs) return fail("no thread can be made");
     serving = 1;
-    if (!daemon->options.virtual_clock && !dmn_gaze_start(common->gaze, dmn_loop_wake, daemon->loop))
+    if (!daemon->options.virtual_clock && !dmn_gaze_start(handles->gaze, dmn_loop_wake, daemon->loop))
         return fail("no thread can be made");
-    common->painter = dmn_painter_start(&painter);
-    if (!common->painter) return fail("no thread can be made");
+    handles->painter = dmn_painter_start(&painter);
+    if (!handles->painter) return fail("no thread can be made");
     return true;
 }
 
 /* After print_start(), which tells of the scene as it was at first. */
 static bool start_edits(struct daemon *daemon)
 {
-    struct dmn_common *common = &daemon->common;
-    struct dmn_edits_options options = {common->painter, &daemon->scene, &common->words,
-                                        daemon->out,     dmn_loop_wake,  daemon->loop};
+    struct dmn_handles *handles = &daemon->handles;
+    struct dmn_edits_options options = {handles->painter, &daemon->scene, &daemon->picture.scene,
+                                        daemon->out,      dmn_loop_wake,  daemon->loop};
 
-    return !common->edits || dmn_edits_start(common->edits, &options) || fail("no thread can be made");
+    return !handles->edits || dmn_edits_start(handles->edits, &options) || fail("no thread can be made");
 }
 
 /* Stop every thread and part from every client; the film is then complete and still. */
 static void stop(struct daemon *daemon, struct dmn_work *out_work)
 {
-    struct dmn_common *common = &daemon->common;
+    struct dmn_handles *handles = &daemon->handles;
 
     notify("STOPPING=1");
-    if (common->painter) {
-        dmn_painter_stop(common->painter);
-        dmn_painter_work(common->painter, out_work);
-        dmn_loop_look(daemon->loop);
+    if (handles->painter) {
+        dmn_painter_stop(handles->painter);
+        dmn_painter_work(handles->painter, out_work);
+        dmn_loop_update(daemon->loop);
     }
-    dmn_edits_stop(common->edits);
-    if (common->gaze) dmn_gaze_stop(common->gaze);
-    dmn_saver_destroy(common->saver);
+    dmn_edits_stop(handles->edits);
+    if (handles->gaze) dmn_gaze_stop(handles->gaze);
+    dmn_jobs_destroy(handles->jobs);
     dmn_loop_destroy(daemon->loop);
     while (daemon->listeners > 0) dmn_listener_finish(&daemon->listener[--daemon->listeners]);
     dmn_report_progress_end(&daemon->bar);
@@ -248,9 +257,9 @@ static bool finish_recording(struct daemon *daemon)
     struct dmn_gaze_state state;
     char text[DMN_TEXT_SIZE];
 
-    dmn_gaze_state(daemon->common.gaze, &state);
+    dmn_gaze_state(daemon->handles.gaze, &state);
     if (!*state.recording) return true;
-    if (!dmn_gaze_record(daemon->common.gaze, NULL, false, text)) return fail(text);
+    if (!dmn_gaze_record(daemon->handles.gaze, NULL, false, text)) return fail(text);
     dmn_print(daemon->out, "fovead: %s\n", text);
     return true;
 }
@@ -259,10 +268,12 @@ static bool finish(struct daemon *daemon, const struct dmn_work *work)
 {
     const char *save = daemon->options.save;
     char error[RND_ERROR_SIZE];
-    bool saved = save && dmn_image_save(daemon->common.render, save, error);
+    struct dmn_gaze_state gaze;
+    bool saved = save && dmn_image_save(daemon->handles.render, save, error);
     bool recorded = finish_recording(daemon);
 
-    dmn_report_summary(&daemon->common, work, saved);
+    dmn_gaze_state(daemon->handles.gaze, &gaze);
+    dmn_report_summary(&daemon->options, &daemon->picture, work, &gaze, saved);
     return (!save || saved || fail(error)) && recorded;
 }
 
@@ -296,11 +307,11 @@ int main(int argc, char **argv)
     }
     stop(&daemon, &work);
     if (good) good = finish(&daemon, &work);
-    dmn_edits_destroy(daemon.common.edits);
-    dmn_painter_destroy(daemon.common.painter);
-    dmn_gaze_close(daemon.common.gaze);
-    dmn_pyramid_finish(&daemon.common.pyramid);
-    rnd_render_destroy(daemon.common.render);
+    dmn_edits_destroy(daemon.handles.edits);
+    dmn_painter_destroy(daemon.handles.painter);
+    dmn_gaze_close(daemon.handles.gaze);
+    dmn_picture_finish(&daemon.picture);
+    rnd_render_destroy(daemon.handles.render);
     rnd_scene_destroy(daemon.scene);
     rnd_readers_destroy(daemon.options.scene.readers);
     return good ? 0 : 1;

@@ -178,18 +178,21 @@ void dmn_listener_finish(struct dmn_listener *listener)
 
 /* --- clients */
 
-/* False if it may not come in. */
+bool dmn_peer_is_own(const struct dmn_peer *peer)
+{
+    return peer->is_local && (peer->user == geteuid() || peer->user == 0);
+}
+
+/* False if the system does not say who it is. */
 static bool meet_unix(int fd, struct dmn_peer *out_peer)
 {
     struct ucred who;
     socklen_t length = sizeof(who);
 
     if (getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &who, &length)) return false;
-    *out_peer = (struct dmn_peer){0};
+    *out_peer = (struct dmn_peer){.is_local = true, .user = who.uid};
     snprintf(out_peer->name, sizeof(out_peer->name), "process %d", (int)who.pid);
-    if (who.uid == geteuid() || who.uid == 0) return true;
-    fprintf(stderr, "fovead: client (%s) turned away: it is of user %u\n", out_peer->name, (unsigned)who.uid);
-    return false;
+    return true;
 }
 
 static void meet_tcp(int fd, struct dmn_peer *out_peer)

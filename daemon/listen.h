@@ -9,7 +9,7 @@
 
 struct dmn_listener {
     struct pro_address address;
-    int fd;            /* non-blocking */
+    int fd;   /* non-blocking */
     int lock; /* of a Unix socket: the file beside it that is locked as long as it is listened on; -1: none */
     const char *token; /* clients must know it; NULL if none is needed */
     dev_t device;      /* of a Unix socket, so that only our own is removed */
@@ -26,14 +26,18 @@ bool dmn_listener_init(struct dmn_listener *listener, const struct pro_address *
 /* Close, and remove a Unix socket from its folder. */
 void dmn_listener_finish(struct dmn_listener *listener);
 
+/* Who is at the other end of a socket. */
 struct dmn_peer {
-    char name[96];
-    uint64_t key; /* for the gate */
+    char name[96]; /* for people */
+    uint64_t key;  /* for the gate */
+    bool is_local; /* a process on this machine, by a Unix socket: */
+    uid_t user;    /* whose */
 };
 
-/* The next client: a non-blocking socket, and in out_peer who it is; -1 if no more are waiting. On a Unix
- * socket other users than this one and root are turned away with a line on stderr, whatever its file's mode
- * has become. */
+/* Is it a process of this user, or of root, by a Unix socket? */
+bool dmn_peer_is_own(const struct dmn_peer *peer);
+
+/* The next client: a non-blocking socket, and in out_peer who it is; -1 if no more are waiting. */
 int dmn_listener_accept(struct dmn_listener *listener, struct dmn_peer *out_peer);
 
 #endif

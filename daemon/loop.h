@@ -1,15 +1,16 @@
-/* loop: sockets, timers and sessions on one thread, by libwebsockets, so that HTTP and WebSocket can join
- * them. */
+/* loop: sockets, timers and sessions on one thread, by libwebsockets. */
 #ifndef FOVEAD_DAEMON_LOOP_H
 #define FOVEAD_DAEMON_LOOP_H
 
+#include "handles.h"
 #include "listen.h"
-#include "session.h"
+#include "picture.h"
 
 struct dmn_loop;
 
 struct dmn_loop_options {
-    struct dmn_common *common;
+    const struct dmn_handles *handles;
+    struct dmn_picture *picture;
     int signal_fd; /* an eventfd: readable when the loop should end; owned by the caller */
     struct dmn_listener *listener;
     int listeners;
@@ -24,8 +25,8 @@ void dmn_loop_destroy(struct dmn_loop *loop); /* accepts NULL; clients are cut o
 
 /* Any thread: something has changed that clients may have to be told. */
 void dmn_loop_wake(void *loop);
-/* Bring what common knows of the picture up to date. */
-void dmn_loop_look(struct dmn_loop *loop);
+/* Bring what is known of the picture up to date. */
+void dmn_loop_update(struct dmn_loop *loop);
 /* Serve until the painter is done or signal_fd is readable. */
 void dmn_loop_run(struct dmn_loop *loop);
 

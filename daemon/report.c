@@ -96,20 +96,18 @@ void dmn_report_progress_end(struct dmn_bar *bar)
     bar->drawn = false;
 }
 
-static void print_table(const struct dmn_common *common, const struct dmn_work *work,
-                        const struct dmn_gaze_state *gaze, bool saved)
+static void print_table(const struct dmn_options *options, const struct dmn_picture *picture,
+                        const struct dmn_work *work, const struct dmn_gaze_state *gaze, bool saved)
 {
-    const struct dmn_options *options = common->options;
     double pixels = (double)options->render.width * options->render.height;
-    int tiles = common->pyramid.level[0].columns * common->pyramid.level[0].rows;
 
     printf("paths        %llu (%.4g a pixel of %dx%d), %llu rays, by %s\n", (unsigned long long)work->paths,
            (double)work->paths / pixels, options->render.width, options->render.height,
            (unsigned long long)work->rays, options->render.distribution->name);
     printf("time         %.2f s, %.3f Mpaths/s\n", work->seconds,
            work->seconds > 0 ? (double)work->paths / work->seconds * 1e-6 : 0);
-    printf("tiles        %d: %u visited, %u converged, %u settled\n", tiles, common->visited,
-           common->converged, common->settled);
+    printf("tiles        %u: %u visited, %u converged, %u settled\n", picture->tiles, picture->visited,
+           picture->converged, picture->settled);
     if (options->gaze)
         printf("gaze         %llu samples, %llu valid\n", (unsigned long long)gaze->samples,
                (unsigned long long)gaze->valid);
@@ -117,33 +115,29 @@ static void print_table(const struct dmn_common *common, const struct dmn_work *
     if (saved) dmn_print(stdout, "saved        %s\n", options->save);
 }
 
-static void print_json(const struct dmn_common *common, const struct dmn_work *work,
-                       const struct dmn_gaze_state *gaze, bool saved)
+static void print_json(const struct dmn_options *options, const struct dmn_picture *picture,
+                       const struct dmn_work *work, const struct dmn_gaze_state *gaze, bool saved)
 {
-    const struct dmn_options *options = common->options;
     json_t *object = json_pack(
         "{s:s, s:s, s:s, s:[i,i], s:I, s:I, s:I, s:f, s:f, s:I, s:i, s:i, s:i, s:i, s:I, s:I, s:s?}", "scene",
         options->scene.path, "gaze", gaze->source.description, "mode", options->render.distribution->name,
         "size", options->render.width, options->render.height, "paths", (json_int_t)work->paths, "rays",
         (json_int_t)work->rays, "batches", (json_int_t)work->batches, "seconds", work->seconds,
         "paths_per_second", work->seconds > 0 ? (double)work->paths / work->seconds : 0.0, "not_finite",
-        (json_int_t)work->not_finite, "tiles",
-        common->pyramid.level[0].columns * common->pyramid.level[0].rows, "tiles_visited",
-        (int)common->visited, "tiles_converged", (int)common->converged, "tiles_settled",
-        (int)common->settled, "gaze_samples", (json_int_t)gaze->samples, "gaze_valid",
-        (json_int_t)gaze->valid, "saved", saved ? options->save : NULL);
+        (json_int_t)work->not_finite, "tiles", (int)picture->tiles, "tiles_visited", (int)picture->visited,
+        "tiles_converged", (int)picture->converged, "tiles_settled", (int)picture->settled, "gaze_samples",
+        (json_int_t)gaze->samples, "gaze_valid", (json_int_t)gaze->valid, "saved",
+        saved ? options->save : NULL);
 
     if (object) json_dumpf(object, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
     if (object) putchar('\n');
     json_decref(object);
 }
 
-void dmn_report_summary(const struct dmn_common *common, const struct dmn_work *work, bool saved)
+void dmn_report_summary(const struct dmn_options *options, const struct dmn_picture *picture,
+                        const struct dmn_work *work, const struct dmn_gaze_state *gaze, bool saved)
 {
-    struct dmn_gaze_state gaze;
-
-    dmn_gaze_state(common->gaze, &gaze);
-    (common->options->json ? print_json : print_table)(common, work, &gaze, saved);
+    (options->json ? print_json : print_table)(options, picture, work, gaze, saved);
     fflush(stdout);
 }
 

@@ -4,7 +4,9 @@
 
 #include <stdio.h>
 
-#include "session.h"
+#include "gaze.h"
+#include "paint.h"
+#include "picture.h"
 
 /* One line on the scene, for the start line and for Welcome. */
 void dmn_report_scene(const struct rnd_scene_info *info, const char *path, char *out_line, size_t size);
@@ -34,6 +36,7 @@ void dmn_report_progress(struct dmn_bar *bar, const struct dmn_options *options,
 void dmn_report_progress_end(struct dmn_bar *bar);
 
 /* The summary: a table, or with options->json one object; saved says whether options->save was written. */
-void dmn_report_summary(const struct dmn_common *common, const struct dmn_work *work, bool saved);
+void dmn_report_summary(const struct dmn_options *options, const struct dmn_picture *picture,
+                        const struct dmn_work *work, const struct dmn_gaze_state *gaze, bool saved);
 
 #endif

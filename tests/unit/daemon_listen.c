@@ -201,13 +201,18 @@ static void strangers(void **state)
     while (poll(wait, 2, -1) < 1) continue;
     assert_true(wait[0].revents & POLLIN);
     close(alive[0]);
-    assert_int_equal(dmn_listener_accept(&listener, &peer), -1);
+    fd = dmn_listener_accept(&listener, &peer);
+    assert_true(fd >= 0);
+    assert_int_equal(peer.user, SOMEBODY_ELSE);
+    assert_false(dmn_peer_is_own(&peer));
+    close(fd);
     assert_true(waitpid(child, &fd, 0) == child);
     assert_int_equal(fd, 0);
     /* This user's own comes in. */
     fd = dial();
     assert_true(fd >= 0);
     close(dmn_listener_accept(&listener, &peer));
+    assert_true(dmn_peer_is_own(&peer));
     assert_non_null(strstr(peer.name, "process "));
     close(fd);
     dmn_listener_finish(&listener);
@@ -252,6 +257,7 @@ static void tcp(void **state)
     assert_int_equal(option(fd, IPPROTO_TCP, TCP_USER_TIMEOUT), 60000);
     assert_int_equal(peer.key, INADDR_LOOPBACK);
     assert_non_null(strstr(peer.name, "127.0.0.1 port "));
+    assert_false(peer.is_local || dmn_peer_is_own(&peer));
     close(fd);
     close(client);
     dmn_listener_finish(&listener);

@@ -1,0 +1,186 @@
+/* The messages that clients send. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "hello.h"
+#include "job_kinds.h"
+#include "paint.h"
+#include "requests.h"
+
+static bool take_view(struct dmn_client *client, Fovea__Message *message, char out_error[PRO_ERROR_SIZE])
+{
+    const Fovea__View *view = message->view;
+    float q[4], square = 0;
+
+    if (view->n_orientation != 4) return dmn_client_fail(out_error, "a view without orientation");
+    for (int i = 0; i < 4; i++) square += view->orientation[i] * view->orientation[i];
+    if (!isfinite(square) || square < 1e-6f || !(view->fov_x > 0 && view->fov_x < (float)M_PI) ||
+        !(view->fov_y > 0 && view->fov_y < (float)M_PI))
+        return dmn_client_fail(out_error, "a view with an orientation or a field of view that cannot be");
+    for (int i = 0; i < 4; i++) q[i] = view->orientation[i] / sqrtf(square);
+    client->clients->view_owner = client->options.number;
+    dmn_gaze_view(client->handles->gaze, q, view->fov_x, view->fov_y);
+    return true;
+}
+
+static bool take_pointer(struct dmn_client *client, Fovea__Message *message, char out_error[PRO_ERROR_SIZE])
+{
+    if (message->pointer->n_direction != 3) return dmn_client_fail(out_error, "a pointer without direction");
+    dmn_gaze_push(client->handles->gaze, message->pointer->direction);
+    return true;
+}
+
+static bool take_freeze(struct dmn_client *client, Fovea__Message *message, char out_error[PRO_ERROR_SIZE])
+{
+    (void)out_error;
+    dmn_gaze_freeze(client->handles->gaze, message->freeze->frozen);
+    return true;
+}
+
+static bool take_acknowledge(struct dmn_client *client, Fovea__Message *message,
+                             char out_error[PRO_ERROR_SIZE])
+{
+    uint64_t serial = message->acknowledge->serial;
+
+    if (serial > client->serial)
+        return dmn_client_fail(out_error, "it acknowledges a tile that was not sent");
+    if (serial > client->acknowledged) client->acknowledged = serial;
+    return true;
+}
+
+static bool take_ping(struct dmn_client *client, Fovea__Message *message, char out_error[PRO_ERROR_SIZE])
+{
+    struct dmn_answer pong = {.client_ns = message->ping->client_ns};
+
+    return dmn_client_answer(client, &pong, out_error);
+}
+
+/* False with why not in job->text. */
+static bool take_path(struct dmn_job *job, const char *path, const char *ending)
+{
+    size_t length = strlen(path), end = strlen(ending);
+
+    if (path[0] != '/' || length >= sizeof(job->path) || length < end ||
+        strcmp(path + length - end, ending) != 0) {
+        snprintf(job->text, sizeof(job->text), "an absolute path%s%s is needed",
+                 *ending ? " that ends in " : "", ending);
+        return false;
+    }
+    memcpy(job->path, path, length + 1);
+    return true;
+}
+
+static bool take_save(struct dmn_client *client, Fovea__Message *message, char out_error[PRO_ERROR_SIZE])
+{
+    struct dmn_job job = {.kind = &dmn_job_save, .request = message->save->request};
+
+    if (!take_path(&job, message->save->path, ".exr"))
+        return dmn_client_done(client, job.request, false, job.text, out_error);
+    return dmn_client_ask(client, &job, out_error);
+}
+
+static bool take_record(struct dmn_client *client, Fovea__Message *message, char out_error[PRO_ERROR_SIZE])
+{
+    const Fovea__Record *record = message->record;
+    struct dmn_job job = {.kind = record->on ? &dmn_job_record : &dmn_job_record_end,
+                          .request = record->request,
+                          .replace = record->replace};
+
+    if (record->on && !take_path(&job, record->path, ""))
+        return dmn_client_done(client, job.request, false, job.text, out_error);
+    return dmn_client_ask(client, &job, out_error);
+}
+
+static bool take_recentre(struct dmn_client *client, Fovea__Message *message, char out_error[PRO_ERROR_SIZE])
+{
+    const Fovea__Recentre *recentre = message->recentre;
+    struct dmn_job job = {
+        .kind = &dmn_job_recentre, .request = recentre->request, .has_target = recentre->n_direction};
+    double square = 0;
+
+    if (recentre->n_direction != 0 && recentre->n_direction != 3)
+        return dmn_client_fail(out_error, "a recentring without direction");
+    for (size_t i = 0; i < recentre->n_direction; i++)
+        square += (double)recentre->direction[i] * recentre->direction[i];
+    if (recentre->n_direction && (!isfinite(square) || square < 1e-6))
+        return dmn_client_fail(out_error, "a recentring to no direction");
+    for (size_t i = 0; i < recentre->n_direction; i++)
+        job.target[i] = (float)(recentre->direction[i] / sqrt(square));
+    return dmn_client_ask(client, &job, out_error);
+}
+
+static bool take_move(struct dmn_client *client, Fovea__Message *message, char out_error[PRO_ERROR_SIZE])
+{
+    const Fovea__Move *move = message->move;
+    struct dmn_answer answer = {.is_done = true, .request = move->request};
+    double camera[3] = {0};
+
+    for (size_t i = 0; i < 3 && move->n_eye == 3; i++) camera[i] = (double)move->eye[i];
+    if (move->n_eye != 3 || !dmn_eye_is_somewhere(camera))
+        return dmn_client_fail(out_error, "a move to nowhere");
+    if (client->handles->options->virtual_clock)
+        return dmn_client_done(client, move->request, false,
+                               "the eye stays: under the virtual clock a picture does not depend on clients",
+                               out_error);
+    answer.generation = dmn_painter_move(client->handles->painter, camera, move->relative, camera);
+    answer.good = answer.generation > 0;
+    if (answer.good)
+        snprintf(answer.text, sizeof(answer.text), "generation %llu, eye %.6g,%.6g,%.6g m",
+                 (unsigned long long)answer.generation, camera[0], camera[1], camera[2]);
+    else
+        snprintf(answer.text, sizeof(answer.text), "the eye stays within %d m of the origin", DMN_FARTHEST);
+    for (int i = 0; i < 3; i++) answer.camera[i] = (float)camera[i];
+    return dmn_client_answer(client, &answer, out_error);
+}
+
+/* --- who may send what --- */
+
+struct request {
+    Fovea__Message__BodyCase body;
+    enum {
+        STRANGER, /* a client that has not said Hello, and only such a one */
+        GUEST,    /* a client that has */
+        OWNER,    /* of these, one for which files are written: others are told so by a Done */
+    } from;
+    bool (*take)(struct dmn_client *client, Fovea__Message *message, char out_error[PRO_ERROR_SIZE]);
+    size_t number; /* of OWNER: where the request's number is in the body */
+};
+
+static const struct request REQUESTS[] = {
+    {FOVEA__MESSAGE__BODY_HELLO, STRANGER, dmn_hello_take, 0},
+    {FOVEA__MESSAGE__BODY_VIEW, GUEST, take_view, 0},
+    {FOVEA__MESSAGE__BODY_POINTER, GUEST, take_pointer, 0},
+    {FOVEA__MESSAGE__BODY_FREEZE, GUEST, take_freeze, 0},
+    {FOVEA__MESSAGE__BODY_ACKNOWLEDGE, GUEST, take_acknowledge, 0},
+    {FOVEA__MESSAGE__BODY_SAVE, OWNER, take_save, offsetof(Fovea__Save, request)},
+    {FOVEA__MESSAGE__BODY_PING, GUEST, take_ping, 0},
+    {FOVEA__MESSAGE__BODY_RECENTRE, GUEST, take_recentre, 0},
+    {FOVEA__MESSAGE__BODY_RECORD, OWNER, take_record, offsetof(Fovea__Record, request)},
+    {FOVEA__MESSAGE__BODY_MOVE, GUEST, take_move, 0},
+};
+
+static const struct request *find(Fovea__Message__BodyCase body)
+{
+    for (size_t i = 0; i < sizeof(REQUESTS) / sizeof(*REQUESTS); i++)
+        if (REQUESTS[i].body == body) return &REQUESTS[i];
+    return NULL;
+}
+
+bool dmn_request_take(struct dmn_client *client, Fovea__Message *message, char out_error[PRO_ERROR_SIZE])
+{
+    const struct request *request = find(message->body_case);
+    uint32_t number;
+
+    if (!client->greeted && (!request || request->from != STRANGER))
+        return dmn_client_fail(out_error, "it did not say hello first");
+    if (!request) return dmn_client_fail(out_error, "it sent a message that clients do not send");
+    if (client->greeted && request->from == STRANGER)
+        return dmn_client_fail(out_error, "it said hello twice");
+    if (request->from == OWNER && !client->options.may_save) {
+        memcpy(&number, (const char *)message->hello + request->number, sizeof(number)); /* of any body */
+        return dmn_client_done(client, number, false, "files are written only for clients on a Unix socket",
+                               out_error);
+    }
+    return request->take(client, message, out_error);
+}

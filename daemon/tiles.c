@@ -1,0 +1,79 @@
+/* The tiles that a client is sent. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "paint.h"
+#include "tiles.h"
+
+uint64_t dmn_clock_ns(const struct dmn_handles *handles)
+{
+    struct dmn_work work;
+
+    if (!handles->options->virtual_clock) return dmn_now_ns();
+    dmn_painter_work(handles->painter, &work);
+    return work.now_ns;
+}
+
+/* Choose the tiles to send next. */
+static void plan(struct dmn_client *client)
+{
+    const struct dmn_picture *picture = client->picture;
+
+    if (client->generation != picture->generation)
+        memset(client->sent, 0, picture->pyramid.count * sizeof(*client->sent));
+    client->generation = picture->generation;
+    client->planned = dmn_next(&picture->pyramid, client->sent, picture->direction, DMN_PLAN, client->plan);
+    client->next = 0;
+    client->plan_version = picture->version;
+}
+
+bool dmn_tile_is_due(struct dmn_client *client)
+{
+    const struct dmn_picture *picture = client->picture;
+
+    if (!client->sent || client->serial - client->acknowledged >= client->window) return false;
+    if (client->plan_version != picture->version) plan(client);
+    if (client->next == client->planned && picture->gaze_sequence > client->gaze_sequence) {
+        /* No tile has changed much. Then the one that the eye sees, so that every gaze is answered. */
+        client->gaze_sequence = picture->gaze_sequence;
+        client->next = 0;
+        client->planned =
+            dmn_seen_at(&picture->pyramid, client->sent, picture->direction, &client->plan[0]) ? 1 : 0;
+    }
+    return client->next < client->planned;
+}
+
+uint8_t *dmn_tile_pack(struct dmn_client *client, size_t *out_count)
+{
+    const struct dmn_place *place = &client->plan[client->next++];
+    const struct dmn_tile *known = &client->picture->pyramid.tile[place->index];
+    float rgb[RND_TILE * RND_TILE * 3];
+    Fovea__Tile tile = FOVEA__TILE__INIT;
+    struct rnd_tile read;
+    uint8_t *message;
+
+    if (!rnd_render_read(client->handles->render, place->level, place->x, place->y, rgb, &read)) return NULL;
+    /* The plan, and what is known of the tile, are of the picture before this one. */
+    if (read.generation != client->generation) return NULL;
+    tile.data.data = pro_encode(client->encoding, rgb, RND_TILE, &tile.data.len);
+    if (!tile.data.data) return NULL;
+    client->sent[place->index] = (struct dmn_tile){read.samples, known->converged, known->settled};
+    tile.serial = ++client->serial;
+    tile.generation = client->generation;
+    tile.level = (uint32_t)place->level;
+    tile.x = (uint32_t)place->x;
+    tile.y = (uint32_t)place->y;
+    tile.encoding = client->encoding;
+    tile.samples = read.samples;
+    tile.error = read.error;
+    tile.converged = known->converged;
+    tile.settled = known->settled;
+    if (read.gaze_sequence > client->gaze_sequence) client->gaze_sequence = read.gaze_sequence;
+    tile.gaze_sequence = read.gaze_sequence;
+    tile.gaze_ns = read.gaze_ns;
+    tile.aimed_ns = read.aimed_ns;
+    tile.encoded_ns = dmn_clock_ns(client->handles);
+    message = dmn_client_pack(client, FOVEA__MESSAGE__BODY_TILE, &tile, out_count);
+    free(tile.data.data);
+    return message;
+}

@@ -1,0 +1,128 @@
+/* A client's connection, by whatever transport, and its session. */
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "print.h"
+#include "send.h"
+#include "transport/connection.h"
+
+enum { BURST = 8 }; /* messages to one client before others have their turn */
+
+static void destroy(struct dmn_connection *connection)
+{
+    if (!connection) return;
+    connection->transport->end(connection);
+    dmn_session_destroy(connection->client);
+    free(connection);
+}
+
+void dmn_connection_open(struct dmn_connection **list, struct lws_vhost *vhost,
+                         const struct dmn_transport *transport, int fd, const struct dmn_peer *peer,
+                         const struct dmn_client_options *options)
+{
+    struct dmn_connection *connection = calloc(1, sizeof(*connection));
+    struct dmn_client_options session = *options;
+    lws_adopt_desc_t adopt = {.vh = vhost,
+                              .type = transport->adoption,
+                              .vh_prot_name = transport->protocol.name,
+                              .opaque = connection};
+
+    session.peer = peer->name;
+    session.key = peer->key;
+    session.may_save = transport->may_save(peer);
+    session.headroom = transport->headroom;
+    if (connection) connection->transport = transport;
+    if (!connection || !transport->begin(connection) ||
+        !(connection->client = dmn_session_create(&session))) {
+        destroy(connection);
+        close(fd);
+        return;
+    }
+    adopt.fd.sockfd = fd;
+    /* On failure libwebsockets has closed fd, and may or may not have called dmn_connection_close(). */
+    connection->wsi = lws_adopt_descriptor_vhost_via_info(&adopt);
+    if (!connection->wsi) {
+        dmn_print(stderr, "fovead: client %u (%s) cannot be served\n", session.number, peer->name);
+        destroy(connection);
+        return;
+    }
+    connection->list = list;
+    connection->next = *list;
+    *list = connection;
+}
+
+static void drop(struct dmn_connection *connection, const char *why)
+{
+    uint8_t *message;
+    size_t count;
+
+    dmn_print(stderr, "fovead: client %u (%s) dropped: %s\n", connection->client->options.number,
+              connection->client->peer, why);
+    if (lws_send_pipe_choked(connection->wsi)) return;
+    message = dmn_send_farewell(why, connection->transport->headroom, &count);
+    if (message) connection->transport->write(connection, message, count);
+    free(message);
+}
+
+bool dmn_connection_read(struct dmn_connection *connection, const void *bytes, size_t count)
+{
+    char error[PRO_ERROR_SIZE];
+
+    if (!connection->transport->read(connection, bytes, count, error)) {
+        drop(connection, error);
+        return false;
+    }
+    dmn_connection_wake(connection);
+    return true;
+}
+
+bool dmn_connection_write(struct dmn_connection *connection)
+{
+    for (int i = 0; i < BURST; i++) {
+        size_t count;
+        uint8_t *message = dmn_send_next(connection->client, &count);
+        bool good;
+
+        if (!message) return true;
+        good = connection->transport->write(connection, message, count);
+        free(message);
+        if (!good) return false;
+        /* What did not fit waits in libwebsockets: one message at most. */
+        if (lws_send_pipe_choked(connection->wsi)) break;
+    }
+    lws_callback_on_writable(connection->wsi);
+    return true;
+}
+
+void dmn_connection_close(struct dmn_connection *connection)
+{
+    struct dmn_connection **place = connection->list;
+
+    if (!place) return; /* it failed half-way: dmn_connection_open() frees it */
+    while (*place != connection) place = &(*place)->next;
+    *place = connection->next;
+    destroy(connection);
+}
+
+void dmn_connection_wake(struct dmn_connection *connection)
+{
+    if (dmn_send_is_due(connection->client)) lws_callback_on_writable(connection->wsi);
+}
+
+void dmn_connection_check(struct dmn_connection *connection)
+{
+    const struct dmn_transport *transport = connection->transport;
+    char error[PRO_ERROR_SIZE];
+
+    dmn_session_stats(connection->client);
+    if (dmn_session_check(connection->client, transport->is_partial(connection), error) &&
+        transport->read(connection, NULL, 0, error))
+        return;
+    drop(connection, error);
+    lws_set_timeout(connection->wsi, PENDING_TIMEOUT_KILLED_BY_PARENT, LWS_TO_KILL_ASYNC);
+}
+
+bool dmn_connection_has_more(struct dmn_connection *connection)
+{
+    return dmn_send_is_due(connection->client) || lws_partial_buffered(connection->wsi);
+}

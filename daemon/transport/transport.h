@@ -1,0 +1,44 @@
+/* transport: how messages get to a client and back, one kind a row: how they are wrapped, what carries them,
+ * and what a client that comes this way may do. Sessions and the loop know no kind of transport.
+ *
+ * Adding one is a file like raw.c and its line in table.c. */
+#ifndef FOVEAD_DAEMON_TRANSPORT_TRANSPORT_H
+#define FOVEAD_DAEMON_TRANSPORT_TRANSPORT_H
+
+#include <libwebsockets.h>
+
+#include "listen.h"
+
+struct dmn_connection; /* connection.h */
+
+struct dmn_transport {
+    /* Its name, and the callback by which libwebsockets says what happens to a connection: on what comes in
+     * it calls dmn_connection_read(), on room to write dmn_connection_write(), and at the end
+     * dmn_connection_close(). The connection is the opaque user data. */
+    struct lws_protocols protocol;
+    lws_adoption_type adoption; /* how libwebsockets takes over a socket that was accepted */
+    size_t headroom;            /* bytes that write() needs free before a message */
+
+    /* May a client from there come in at all? False with why not. */
+    bool (*origin_is_good)(const struct dmn_peer *peer, char *out_why, size_t size);
+    /* Are files written for it? */
+    bool (*may_save)(const struct dmn_peer *peer);
+    /* Tell a client whose socket was just accepted why it is turned away, if the socket takes that at once.
+     */
+    void (*refuse)(int fd, const char *why);
+
+    /* connection->unwrapping is what of a message has come so far. False if memory is short. */
+    bool (*begin)(struct dmn_connection *connection);
+    void (*end)(struct dmn_connection *connection); /* accepts what begin() has failed for */
+    /* Take count bytes that came, and give the session what messages are whole, as long as it is ready for
+     * them; 0 bytes: only that. False with a line in out_error if the client must be dropped. */
+    bool (*read)(struct dmn_connection *connection, const void *bytes, size_t count,
+                 char out_error[PRO_ERROR_SIZE]);
+    /* Has a message begun and not ended? */
+    bool (*is_partial)(const struct dmn_connection *connection);
+    /* Wrap and write a message of count bytes, which follow the headroom in block. What the socket does not
+     * take at once waits in libwebsockets. False if the connection is broken. */
+    bool (*write)(struct dmn_connection *connection, uint8_t *block, size_t count);
+};
+
+#endif
