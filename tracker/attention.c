@@ -277,7 +277,6 @@ void trk_attend(struct trk_attention *a, const struct trk_sample *sample_or_null
         gaze.why = "frozen";
     }
     gaze.time_ns = now_ns;
-    gaze.speed_deg_s = a->classifier.speed_deg_s;
     gaze.noise_deg = (float)a->classifier.noise_deg;
     gaze.moved = gaze.spread != a->last.spread ||
                  memcmp(gaze.direction, a->last.direction, sizeof gaze.direction) != 0;

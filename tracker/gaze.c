@@ -8,7 +8,8 @@
 /* Of a lid. */
 static const float half_open = 0.5f;
 
-bool trk_is_lid_down(const struct trk_sample *sample, int eye)
+/* Is that eye (0 left, 1 right) known to be under its lid? */
+static bool is_lid_down(const struct trk_sample *sample, int eye)
 {
     return (sample->valid & TRK_LEFT_OPENNESS << 4 * eye) && sample->eye[eye].openness < half_open;
 }
@@ -20,8 +21,8 @@ bool trk_combine(struct trk_sample *sample)
     bool is_mean = false;
     for (int i = 0; i < 2; i++) {
         /* an eye under its lid tells nothing where the other one is open */
-        const bool other = (sample->valid & TRK_LEFT_DIRECTION << 4 * !i) && !trk_is_lid_down(sample, !i);
-        if ((sample->valid & TRK_LEFT_DIRECTION << 4 * i) && !(trk_is_lid_down(sample, i) && other)) {
+        const bool other = (sample->valid & TRK_LEFT_DIRECTION << 4 * !i) && !is_lid_down(sample, !i);
+        if ((sample->valid & TRK_LEFT_DIRECTION << 4 * i) && !(is_lid_down(sample, i) && other)) {
             glm_vec3_add(direction, sample->eye[i].direction, direction);
             eyes++;
         }
@@ -45,8 +46,8 @@ bool trk_combine(struct trk_sample *sample)
 
 bool trk_gaze_direction(const struct trk_sample *sample, float out_head[3], const char **out_source)
 {
-    const bool left = (sample->valid & TRK_LEFT_DIRECTION) && !trk_is_lid_down(sample, 0);
-    const bool right = (sample->valid & TRK_RIGHT_DIRECTION) && !trk_is_lid_down(sample, 1);
+    const bool left = (sample->valid & TRK_LEFT_DIRECTION) && !is_lid_down(sample, 0);
+    const bool right = (sample->valid & TRK_RIGHT_DIRECTION) && !is_lid_down(sample, 1);
     const char *source = "both eyes";
     vec3 direction = {0};
     bool known;
@@ -83,7 +84,7 @@ bool trk_lids_closed(const struct trk_sample *sample, bool *out_known)
     *out_known = sample->valid & (TRK_LEFT_OPENNESS | TRK_RIGHT_OPENNESS);
     for (int eye = 0; eye < 2; eye++)
         if (sample->valid & (TRK_LEFT_OPENNESS | TRK_LEFT_DIRECTION) << 4 * eye)
-            closed &= trk_is_lid_down(sample, eye);
+            closed &= is_lid_down(sample, eye);
     return *out_known && closed;
 }
 

@@ -11,9 +11,6 @@ bool trk_combine(struct trk_sample *sample);
 /* A direction in the head, by the sample's head pose if it has one. */
 void trk_to_world(const struct trk_sample *sample, const float head[3], float out_world[3]);
 
-/* Is that eye (0 left, 1 right) known to be under its lid? */
-bool trk_is_lid_down(const struct trk_sample *sample, int eye);
-
 /* Are the lids, as far as the sample tells, less than half open? An eye that is seen, and of whose lid
  * nothing is told, is open. *out_known is false if the sample does not tell. */
 bool trk_lids_closed(const struct trk_sample *sample, bool *out_known);

@@ -207,10 +207,8 @@ struct trk_source_options {
     /* replay: pace against the log's own timestamps; 1 real time, 2 twice as fast, 0 as fast as it is read.
      * From 0.01 to 1000. */
     double speed;
-    /* replay, synthetic: start again at the end, on a clock that goes on. */
+    /* replay: start again at the end, on a clock that goes on. */
     bool loop;
-    /* synthetic: length in seconds; 0 is without end. */
-    double seconds;
     /* Time is what the reader says it is (until_ns of trk_read), and nothing ever waits. */
     bool virtual_clock;
 };
@@ -290,9 +288,8 @@ void trk_be_prompt(void);
  * that would wait returns at once instead. */
 void trk_interrupt(struct trk_source *source);
 
-/* Fill out_log with a synthetic observer's recording: seconds long at 120 Hz; format "synthetic". False
- * when memory is short or seconds hold no sample or more than a log may. The caller frees with
- * trk_log_finish(). */
+/* Make the log of a synthetic observer: seconds long at 120 Hz; its format is "synthetic". False when memory
+ * is short, or if seconds hold no sample or more than a log may. The caller frees with trk_log_finish(). */
 bool trk_synthesise(uint64_t seed, double seconds, struct trk_log *out_log);
 
 /* --- what the eye does ---------------------------------------------------------------------------------- */
@@ -355,7 +352,6 @@ struct trk_gaze {
                          * "last gaze", "view centre" */
     const char *why;    /* a few words on the decision; static */
     bool moved;         /* direction or spread are others than before this call */
-    float speed_deg_s;  /* of gaze in the world */
     float noise_deg;    /* of the tracker: standard deviation of an axis, measured while gaze rests */
 };
 

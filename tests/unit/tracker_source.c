@@ -361,11 +361,9 @@ static void bad_specs(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         refused((struct trk_source_options){.spec = cases[i].spec, .speed = 1}, cases[i].why);
     static const double bad[] = {-1, NAN, INFINITY, 1e-9, 1e9};
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         refused((struct trk_source_options){.spec = "replay:tracker_source.gaze", .speed = bad[i]},
                 "replay speed");
-        refused((struct trk_source_options){.spec = "synthetic", .seconds = bad[i]}, "synthetic gaze of");
-    }
     static const struct trk_screen screens[] = {
         {0.5f, 0, 0}, {0, 0.3f, 0}, {-1, 1, 0}, {1, 1, NAN}, {1, 1, 1e9f}};
     for (size_t i = 0; i < sizeof screens / sizeof *screens; i++)

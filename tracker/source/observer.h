@@ -3,9 +3,7 @@
  *
  * Fixations follow one another over the sphere, joined by saccades on the main sequence; gaze shifts that
  * would turn the eye far in its socket take the head along, and the eye turns back against it. Drift,
- * microsaccades, blinks, and the tracker's noise, bias and drop-outs come on top. The synthetic source and
- * trk_synthesise() share it.
- */
+ * microsaccades, blinks, and the tracker's noise, bias and drop-outs come on top. */
 #ifndef FOVEAD_TRACKER_OBSERVER_H
 #define FOVEAD_TRACKER_OBSERVER_H
 

@@ -1,4 +1,4 @@
-/* The synthetic observer as a source and as a recording. */
+/* The synthetic observer as a source and as a log. */
 #include "source/kinds.h"
 
 #include "error.h"
@@ -13,37 +13,11 @@
 struct synthetic {
     struct trk_source source;
     struct trk_observer observer;
-    uint64_t seed;
-    uint64_t lap_samples; /* after which it ends or starts again; 0: never */
-    bool loop;
-    uint64_t lap;
     struct trk_sample next; /* drawn already, and not yet due */
     bool has_next;
 };
 
 static const uint64_t default_seed = 1;
-
-/* Whole samples in so many seconds, or 0 if that is not a length that a log can have. */
-static uint64_t samples_in(double seconds)
-{
-    double count = rint(seconds * TRK_OBSERVER_HZ);
-    return count >= 1 && count <= TRK_MAX_ROWS ? (uint64_t)count : 0;
-}
-
-/* A lap is a whole number of samples, and its length in ns is rounded down once, so that laps are all alike.
- */
-static bool draw_next(struct synthetic *synthetic)
-{
-    if (synthetic->lap_samples && synthetic->observer.tick == synthetic->lap_samples) {
-        if (!synthetic->loop) return false;
-        synthetic->lap++;
-        trk_observer_init(&synthetic->observer, synthetic->seed);
-    }
-    trk_observer_next(&synthetic->observer, &synthetic->next);
-    synthetic->next.sequence += synthetic->lap * synthetic->lap_samples;
-    synthetic->next.device_ns += synthetic->lap * (synthetic->lap_samples * 1000000000 / TRK_OBSERVER_HZ);
-    return true;
-}
 
 static enum trk_result synthetic_read(struct trk_source *source, uint64_t until_ns,
                                       struct trk_sample *out_sample, char out_error[TRK_ERROR_SIZE])
@@ -51,7 +25,7 @@ static enum trk_result synthetic_read(struct trk_source *source, uint64_t until_
     (void)out_error;
     struct synthetic *synthetic = (struct synthetic *)source;
     uint64_t due_ns;
-    if (!synthetic->has_next && !draw_next(synthetic)) return TRK_END;
+    if (!synthetic->has_next) trk_observer_next(&synthetic->observer, &synthetic->next);
     synthetic->has_next = true;
     enum trk_result result = trk_source_pace(source, synthetic->next.device_ns, until_ns, &due_ns);
     if (result != TRK_SAMPLE) return result;
@@ -75,27 +49,15 @@ static struct trk_source *synthetic_open(const char *argument, const struct trk_
                  argument);
         return NULL;
     }
-    if (options->seconds != 0 && samples_in(options->seconds) == 0) {
-        trk_fail(out_error, "synthetic gaze of %g s: expected 0 for no end, or up to %.0f s",
-                 options->seconds, (double)TRK_MAX_ROWS / TRK_OBSERVER_HZ);
-        return NULL;
-    }
     struct synthetic *synthetic = trk_source_create(sizeof *synthetic, &methods, options->virtual_clock);
     if (!synthetic) {
         trk_fail(out_error, "gaze source 'synthetic': no memory");
         return NULL;
     }
-    synthetic->seed = (uint64_t)seed;
-    synthetic->loop = options->loop;
-    char length[32] = "without end";
-    if (options->seconds != 0) {
-        synthetic->lap_samples = samples_in(options->seconds);
-        snprintf(length, sizeof length, "%.1f s", options->seconds);
-    }
     snprintf(synthetic->source.description, sizeof synthetic->source.description,
-             "synthetic observer with seed %llu: %s, %d Hz, head pose", (unsigned long long)synthetic->seed,
-             length, TRK_OBSERVER_HZ);
-    trk_observer_init(&synthetic->observer, synthetic->seed);
+             "synthetic observer with seed %lld: without end, %d Hz, head pose", (long long)seed,
+             TRK_OBSERVER_HZ);
+    trk_observer_init(&synthetic->observer, (uint64_t)seed);
     return &synthetic->source;
 }
 
@@ -109,12 +71,12 @@ const struct trk_source_row trk_synthetic = {
 
 bool trk_synthesise(uint64_t seed, double seconds, struct trk_log *out_log)
 {
-    size_t count = samples_in(seconds);
-    *out_log = (struct trk_log){.format = "synthetic"};
+    const double count = rint(seconds * TRK_OBSERVER_HZ);
+    bool ok = count >= 1 && count <= TRK_MAX_ROWS;
     struct trk_observer observer;
+    *out_log = (struct trk_log){.format = "synthetic"};
     trk_observer_init(&observer, seed);
-    bool ok = count > 0;
-    while (ok && out_log->count < count) {
+    while (ok && (double)out_log->count < count) {
         struct trk_sample sample;
         trk_observer_next(&observer, &sample);
         ok = trk_samples_add(out_log, &sample);
