@@ -10,8 +10,8 @@
 
 #include <cglm/cglm.h>
 
-#include "file.h"
 #include "gaze.h"
+#include "recording.h"
 #include "state.h"
 
 /* Samples kept for clients: two seconds at 120 Hz, a quarter at a kilohertz. */
@@ -32,6 +32,7 @@ struct dmn_gaze {
     atomic_bool stale; /* the gaze is elsewhere than what the painter's batch is aimed by */
     void (*wake)(void *context);
     void *context;
+    struct dmn_recording recording;
 
     pthread_mutex_t lock; /* of all that follows */
     struct trk_attention *attention;
@@ -47,8 +48,6 @@ struct dmn_gaze {
     struct trk_status status;
     bool has_rotation, recentred; /* there is one of an earlier day, for eye trackers; it is in use */
     float rotation[4];
-    struct trk_recorder *recorder;
-    char recording[DMN_TEXT_SIZE];
     uint64_t count;                    /* samples and decisions for clients so far: */
     struct dmn_gaze_sample kept[KEPT]; /* number n is at n % KEPT */
 };
@@ -112,6 +111,7 @@ struct dmn_gaze *dmn_gaze_open(const struct dmn_options *options, char out_error
         return NULL;
     }
     pthread_mutex_init(&gaze->lock, NULL);
+    dmn_recording_init(&gaze->recording);
     gaze->virtual_clock = options->virtual_clock;
     gaze->ended = !options->gaze;
     gaze->aim = (struct rnd_aim){.gaze = {0, 0, -1}, .view = {0, 0, 0, 1}};
@@ -133,15 +133,14 @@ fail:
 void dmn_gaze_close(struct dmn_gaze *gaze)
 {
     if (!gaze) return;
-    trk_recorder_close(gaze->recorder, NULL);
+    dmn_recording_finish(&gaze->recording);
     trk_attention_destroy(gaze->attention);
     trk_close(gaze->source);
     pthread_mutex_destroy(&gaze->lock);
     free(gaze);
 }
 
-/* --- decisions: with the lock held
- * ------------------------------------------------------------------------------ */
+/* --- decisions: with the lock held ---------------------------------------------------------------------- */
 
 /* The viewport is where the head is, or where the eye looks as long as the head is unknown. It stays while a
  * lid is down or no eye is seen. */
@@ -203,7 +202,7 @@ static void accept(struct dmn_gaze *gaze, const struct trk_sample *sample, uint6
     gaze->ended = false;
     gaze->samples++;
     gaze->valid += gaze->has_gaze;
-    if (gaze->recorder) trk_recorder_append(gaze->recorder, sample);
+    dmn_recording_append(&gaze->recording, sample);
     decide(gaze, sample, now_ns);
     take_view(gaze, sample);
 }
@@ -221,8 +220,7 @@ static void note_status(struct dmn_gaze *gaze, const struct trk_status *status)
     trk_recentre_set(gaze->attention, gaze->has_rotation ? gaze->rotation : none);
 }
 
-/* --- the source
- * ------------------------------------------------------------------------------------------------ */
+/* --- the source ----------------------------------------------------------------------------------------- */
 
 /* Read once. True while there may be more; *out_news if clients should hear of something. */
 static bool read_one(struct dmn_gaze *gaze, uint64_t until_ns, enum trk_result *out_result, bool *out_news)
@@ -292,8 +290,7 @@ void dmn_gaze_advance(struct dmn_gaze *gaze, uint64_t now_ns)
     while (!gaze->ended && result == TRK_SAMPLE && read_one(gaze, now_ns, &result, &news)) continue;
 }
 
-/* --- for whoever asks
- * ------------------------------------------------------------------------------------------ */
+/* --- for whoever asks ----------------------------------------------------------------------------------- */
 
 void dmn_gaze_aim(struct dmn_gaze *gaze, struct rnd_aim *out_aim)
 {
@@ -311,24 +308,23 @@ void dmn_gaze_aim(struct dmn_gaze *gaze, struct rnd_aim *out_aim)
 
 void dmn_gaze_state(struct dmn_gaze *gaze, struct dmn_gaze_state *out_state)
 {
-    struct trk_recorder_state recorder = {0};
+    struct trk_recorder_status recorder;
 
     pthread_mutex_lock(&gaze->lock);
-    if (gaze->recorder) trk_recorder_look(gaze->recorder, &recorder);
     *out_state = (struct dmn_gaze_state){
         .samples = gaze->samples,
         .valid = gaze->valid,
         .frozen = gaze->frozen,
         .ended = gaze->ended,
         .source = gaze->status,
-        .recorded = recorder.written,
-        .lost = recorder.lost,
-        .recording_fails = recorder.failing,
     };
-    memcpy(out_state->recording_error, recorder.error, sizeof(out_state->recording_error));
     memcpy(out_state->direction, gaze->aim.gaze, sizeof(out_state->direction));
-    memcpy(out_state->recording, gaze->recording, sizeof(out_state->recording));
     pthread_mutex_unlock(&gaze->lock);
+    dmn_recording_tell(&gaze->recording, out_state->recording, &recorder);
+    out_state->recorded = recorder.written;
+    out_state->lost = recorder.lost;
+    out_state->recording_fails = recorder.failing;
+    memcpy(out_state->recording_error, recorder.error, sizeof(out_state->recording_error));
 }
 
 bool dmn_gaze_next(struct dmn_gaze *gaze, uint64_t *cursor, struct dmn_gaze_sample *out_sample)
@@ -358,8 +354,7 @@ bool dmn_gaze_has_next(struct dmn_gaze *gaze, uint64_t cursor)
     return found;
 }
 
-/* --- what clients ask for
- * -------------------------------------------------------------------------------------- */
+/* --- what clients ask for ------------------------------------------------------------------------------- */
 
 void dmn_gaze_freeze(struct dmn_gaze *gaze, bool frozen)
 {
@@ -423,66 +418,11 @@ bool dmn_gaze_recentre(struct dmn_gaze *gaze, const float *target_or_null, char 
     return good;
 }
 
-static bool start_recording(struct dmn_gaze *gaze, const char *path, bool replace,
-                            char out_text[DMN_TEXT_SIZE])
-{
-    char error[TRK_ERROR_SIZE];
-    struct trk_recorder *recorder = NULL;
-    struct dmn_file file;
-    int fd = -1;
-
-    if (!gaze->source) {
-        snprintf(out_text, DMN_TEXT_SIZE, "there is no gaze to record");
-        return false;
-    }
-    if (gaze->recorder) {
-        snprintf(out_text, DMN_TEXT_SIZE, "gaze is being recorded to %.900s", gaze->recording);
-        return false;
-    }
-    if (dmn_file_begin(&file, path, 0600, replace, error)) {
-        trk_recorder_print_head(file.file);
-        fd = dmn_file_keep(&file, error);
-    }
-    if (fd < 0 || !(recorder = trk_recorder_start(fd, path, error))) {
-        snprintf(out_text, DMN_TEXT_SIZE, "%s", error);
-        return false;
-    }
-    pthread_mutex_lock(&gaze->lock);
-    gaze->recorder = recorder;
-    snprintf(gaze->recording, sizeof(gaze->recording), "%s", path);
-    pthread_mutex_unlock(&gaze->lock);
-    snprintf(out_text, DMN_TEXT_SIZE, "recording to %.900s", path);
-    return true;
-}
-
 bool dmn_gaze_record(struct dmn_gaze *gaze, const char *path_or_null, bool replace,
                      char out_text[DMN_TEXT_SIZE])
 {
-    struct trk_recorder_state state;
-    struct trk_recorder *recorder;
-    char path[DMN_TEXT_SIZE];
-    size_t length;
-    bool good;
-
-    if (path_or_null) return start_recording(gaze, path_or_null, replace, out_text);
-    pthread_mutex_lock(&gaze->lock);
-    recorder = gaze->recorder;
-    gaze->recorder = NULL;
-    memcpy(path, gaze->recording, sizeof(path));
-    gaze->recording[0] = '\0';
-    pthread_mutex_unlock(&gaze->lock);
-    if (!recorder) {
-        snprintf(out_text, DMN_TEXT_SIZE, "gaze is not being recorded");
-        return false;
-    }
-    good = trk_recorder_close(recorder, &state);
-    length = (size_t)snprintf(out_text, DMN_TEXT_SIZE, "recorded %llu samples to %.300s",
-                              (unsigned long long)state.written, path);
-    if (state.refused)
-        length += (size_t)snprintf(out_text + length, DMN_TEXT_SIZE - length, ", %llu refused",
-                                   (unsigned long long)state.refused);
-    if (state.lost)
-        snprintf(out_text + length, DMN_TEXT_SIZE - length, ", %llu lost: %s", (unsigned long long)state.lost,
-                 state.error);
-    return good;
+    if (!path_or_null) return dmn_recording_end(&gaze->recording, out_text);
+    if (gaze->source) return dmn_recording_begin(&gaze->recording, path_or_null, replace, out_text);
+    snprintf(out_text, DMN_TEXT_SIZE, "there is no gaze to record");
+    return false;
 }

@@ -8,9 +8,8 @@
 #define FOVEAD_DAEMON_GAZE_H
 
 #include "daemon.h"
+#include "recording.h"
 #include "options.h"
-
-enum { DMN_TEXT_SIZE = 1024 }; /* of one line on what was done, or why not */
 
 struct dmn_gaze;
 

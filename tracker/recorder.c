@@ -38,7 +38,7 @@ struct trk_recorder {
     pthread_cond_t changed; /* on CLOCK_MONOTONIC */
     pthread_mutex_t lock;   /* of all that follows */
     bool closing;
-    struct trk_recorder_state state;
+    struct trk_recorder_status status;
     struct trk_sample newest; /* the last one accepted; sequence 0: none yet */
     uint64_t accepted;
     size_t first, count; /* of the queue */
@@ -50,8 +50,8 @@ struct trk_recorder {
 /* With the lock held. */
 static void fail(struct trk_recorder *r, const char *what, int error)
 {
-    trk_fail(r->state.error, "%s: cannot %s: %s", r->path, what, strerror(error));
-    r->state.failing = true;
+    trk_fail(r->status.error, "%s: cannot %s: %s", r->path, what, strerror(error));
+    r->status.failing = true;
 }
 
 /* All of it or nothing: half a row on a full disk is taken back, and would be written over. */
@@ -80,8 +80,8 @@ static void sync_to_disk(struct trk_recorder *r)
         int error = errno;
         pthread_mutex_lock(&r->lock);
         fail(r, "write to the disk", error);
-        r->state.written -= r->unsynced;
-        r->state.lost += r->unsynced;
+        r->status.written -= r->unsynced;
+        r->status.lost += r->unsynced;
         pthread_mutex_unlock(&r->lock);
     }
     r->unsynced = 0;
@@ -95,7 +95,7 @@ static bool take_batch(struct trk_recorder *r, bool again, size_t *out_count, si
     uint64_t wake_ns = trk_now_ns() + write_period_ns;
     size_t length = 0;
     pthread_mutex_lock(&r->lock);
-    while (!r->closing && !again && (r->state.failing || r->count < QUEUE / 2))
+    while (!r->closing && !again && (r->status.failing || r->count < QUEUE / 2))
         if (!trk_condition_wait(&r->changed, &r->lock, wake_ns)) break;
     size_t n = r->count < BATCH ? r->count : BATCH, first = r->first;
     bool more = n > 0 || !r->closing;
@@ -115,14 +115,14 @@ static bool settle_batch(struct trk_recorder *r, size_t count, int error)
     if (error) {
         fail(r, "write", error);
         if (r->closing) {
-            r->state.lost += r->count;
+            r->status.lost += r->count;
             r->count = 0;
         }
     } else {
         r->first = (r->first + count) % QUEUE;
         r->count -= count;
-        r->state.written += count;
-        r->state.failing = false;
+        r->status.written += count;
+        r->status.failing = false;
     }
     bool again = !error && r->count >= BATCH;
     pthread_mutex_unlock(&r->lock);
@@ -178,7 +178,7 @@ static void destroy(struct trk_recorder *r)
 struct trk_recorder *trk_recorder_start(int fd, const char *path, char out_error[TRK_ERROR_SIZE])
 {
     struct trk_recorder *r = calloc(1, sizeof *r);
-    struct stat status;
+    struct stat file;
     if (!r || !(r->path = strdup(path))) {
         trk_fail(out_error, "%s: no memory to record", path);
         free(r);
@@ -189,10 +189,10 @@ struct trk_recorder *trk_recorder_start(int fd, const char *path, char out_error
     pthread_mutex_init(&r->lock, NULL);
     trk_condition_init(&r->changed);
     r->sync_ns = trk_now_ns();
-    if (fstat(fd, &status) != 0) {
+    if (fstat(fd, &file) != 0) {
         trk_fail(out_error, "%s: cannot record: %s", path, strerror(errno));
     } else {
-        r->size = status.st_size;
+        r->size = file.st_size;
         if (start(r)) return r;
         trk_fail(out_error, "%s: cannot record: no thread", path);
     }
@@ -212,10 +212,10 @@ void trk_recorder_append(struct trk_recorder *r, const struct trk_sample *sample
 {
     pthread_mutex_lock(&r->lock);
     if (!fits(r, sample)) {
-        r->state.refused++;
+        r->status.refused++;
     } else if (r->count == QUEUE) {
-        r->state.lost++;
-        if (!r->state.error[0]) trk_fail(r->state.error, "%s: the disk is too slow", r->path);
+        r->status.lost++;
+        if (!r->status.error[0]) trk_fail(r->status.error, "%s: the disk is too slow", r->path);
     } else {
         r->queue[(r->first + r->count++) % QUEUE] = *sample;
         r->newest = *sample;
@@ -225,14 +225,14 @@ void trk_recorder_append(struct trk_recorder *r, const struct trk_sample *sample
     pthread_mutex_unlock(&r->lock);
 }
 
-void trk_recorder_look(struct trk_recorder *r, struct trk_recorder_state *out_state)
+void trk_recorder_get_status(struct trk_recorder *r, struct trk_recorder_status *out_status)
 {
     pthread_mutex_lock(&r->lock);
-    *out_state = r->state;
+    *out_status = r->status;
     pthread_mutex_unlock(&r->lock);
 }
 
-bool trk_recorder_close(struct trk_recorder *r, struct trk_recorder_state *out_state)
+bool trk_recorder_close(struct trk_recorder *r, struct trk_recorder_status *out_status)
 {
     if (!r) return true;
     pthread_mutex_lock(&r->lock);
@@ -240,8 +240,8 @@ bool trk_recorder_close(struct trk_recorder *r, struct trk_recorder_state *out_s
     pthread_cond_signal(&r->changed);
     pthread_mutex_unlock(&r->lock);
     pthread_join(r->thread, NULL);
-    bool ok = r->state.lost == 0;
-    if (out_state) *out_state = r->state;
+    bool ok = r->status.lost == 0;
+    if (out_status) *out_status = r->status;
     destroy(r);
     return ok;
 }

@@ -330,8 +330,7 @@ struct trk_events {
 bool trk_events_find(const struct trk_log *log, struct trk_events *out_events);
 void trk_events_finish(struct trk_events *events);
 
-/* --- from samples to a gaze to render for ----------------------------------------------------------------
- */
+/* --- from samples to a gaze to render for --------------------------------------------------------------- */
 
 struct trk_attention;
 
@@ -376,8 +375,7 @@ void trk_attention_pace(struct trk_attention *attention, double speed);
 /* Where the view's centre is when no head pose says so: an orientation (x, y, z, w), view to world. */
 void trk_attention_view(struct trk_attention *attention, const float orientation[4]);
 
-/* --- recentring ------------------------------------------------------------------------------------------
- */
+/* --- recentring ----------------------------------------------------------------------------------------- */
 
 /* Declare that the eye looks at target now (unit, world; NULL: the view's centre), for a headset that has
  * slipped. The rotation that takes the measured gaze there is applied, in the head frame, to all gaze from
@@ -394,12 +392,11 @@ bool trk_recentre_set(struct trk_attention *attention, const float rotation[4]);
 void trk_recentre_print(const float rotation[4], FILE *file);
 bool trk_recentre_load(const char *path, float out_rotation[4], char out_error[TRK_ERROR_SIZE]);
 
-/* --- recording -------------------------------------------------------------------------------------------
- */
+/* --- recording ------------------------------------------------------------------------------------------ */
 
 struct trk_recorder;
 
-struct trk_recorder_state {
+struct trk_recorder_status {
     uint64_t written; /* samples in the file */
     uint64_t lost;    /* samples that the disk did not take, or that came while the queue was full */
     uint64_t refused; /* samples that no log can hold: time or sequence going back, directions of no length */
@@ -422,10 +419,10 @@ struct trk_recorder *trk_recorder_start(int fd, const char *path, char out_error
  */
 void trk_recorder_append(struct trk_recorder *recorder, const struct trk_sample *sample);
 
-void trk_recorder_look(struct trk_recorder *recorder, struct trk_recorder_state *out_state);
+void trk_recorder_get_status(struct trk_recorder *recorder, struct trk_recorder_status *out_status);
 
-/* Write what is left, to the disk, and free. False if samples were lost: out_state tells how many, and why.
- * Accepts NULL, which leaves out_state alone. */
-bool trk_recorder_close(struct trk_recorder *recorder, struct trk_recorder_state *out_state);
+/* Write what is left, to the disk, and free. False if samples were lost: out_status tells how many, and why.
+ * Accepts NULL, which leaves out_status alone. */
+bool trk_recorder_close(struct trk_recorder *recorder, struct trk_recorder_status *out_status);
 
 #endif

@@ -66,9 +66,9 @@ static struct trk_recorder *open_new(void)
 /* Until the recorder, by itself, has written so many samples. */
 static void await_written(struct trk_recorder *recorder, uint64_t count)
 {
-    struct trk_recorder_state now;
+    struct trk_recorder_status now;
     for (;;) {
-        trk_recorder_look(recorder, &now);
+        trk_recorder_get_status(recorder, &now);
         assert_false(now.failing);
         if (now.written >= count) return;
         sleep_ms(10);
@@ -78,10 +78,10 @@ static void await_written(struct trk_recorder *recorder, uint64_t count)
 /* The same, of a disk that has failed and has room again. */
 static void await_recovery(struct trk_recorder *recorder, uint64_t count)
 {
-    struct trk_recorder_state now;
+    struct trk_recorder_status now;
     do {
         sleep_ms(10);
-        trk_recorder_look(recorder, &now);
+        trk_recorder_get_status(recorder, &now);
     } while (now.failing || now.written < count);
     assert_int_equal(now.written, count);
 }
@@ -99,7 +99,7 @@ static void records_every_field(void **state)
 {
     (void)state;
     struct trk_log log;
-    struct trk_recorder_state after;
+    struct trk_recorder_status after;
     assert_true(trk_synthesise(4, 20, &log));
     struct trk_sample *samples = samples_of(&log);
     assert_non_null(samples);
@@ -138,7 +138,7 @@ static void refuses_impossible_samples(void **state)
 {
     (void)state;
     struct trk_log log;
-    struct trk_recorder_state after;
+    struct trk_recorder_status after;
     assert_true(trk_synthesise(4, 1, &log));
     struct trk_sample *samples = samples_of(&log);
     assert_non_null(samples);
@@ -167,14 +167,14 @@ static void refuses_impossible_samples(void **state)
  * written. */
 static void record_for_ever(int pipe_fd)
 {
-    struct trk_recorder_state now;
+    struct trk_recorder_status now;
     struct trk_recorder *recorder = open_new();
     for (uint64_t i = 1;; i++) {
         struct trk_sample sample = {
             .sequence = i, .device_ns = monotonic_ns(), .valid = TRK_DIRECTION, .direction = {0, 0, -1}};
         sample.arrival_ns = sample.device_ns;
         trk_recorder_append(recorder, &sample);
-        trk_recorder_look(recorder, &now);
+        trk_recorder_get_status(recorder, &now);
         if (write(pipe_fd, &now.written, sizeof now.written) != sizeof now.written) _exit(1);
         sleep_ms(2);
     }
@@ -249,7 +249,7 @@ static void full_disk(void **state)
 {
     (void)state;
     struct trk_log log;
-    struct trk_recorder_state after;
+    struct trk_recorder_status after;
     struct rlimit before, small;
     assert_true(trk_synthesise(4, 3, &log));
     struct trk_sample *samples = samples_of(&log);
@@ -266,7 +266,7 @@ static void full_disk(void **state)
         for (size_t i = 10; i < 300; i++) trk_recorder_append(recorder, &samples[i]);
         do {
             sleep_ms(10);
-            trk_recorder_look(recorder, &after);
+            trk_recorder_get_status(recorder, &after);
         } while (!after.failing);
         assert_true(strstr(after.error, path) && strstr(after.error, "File too large"));
         assert_true(after.written >= 10 && after.written < 300);
@@ -293,7 +293,7 @@ static void full_disk(void **state)
 static void full_disk_for_long(void **state)
 {
     (void)state;
-    struct trk_recorder_state after;
+    struct trk_recorder_status after;
     struct rlimit before, none;
     struct trk_sample sample = {.sequence = 0};
     assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
@@ -305,7 +305,7 @@ static void full_disk_for_long(void **state)
     do {
         sample.sequence = sample.device_ns = sample.arrival_ns = sample.sequence + 1;
         trk_recorder_append(recorder, &sample);
-        trk_recorder_look(recorder, &after);
+        trk_recorder_get_status(recorder, &after);
     } while (after.lost < 10);
     const uint64_t waiting = sample.sequence - 10;
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
@@ -327,7 +327,7 @@ static void full_disk_for_long(void **state)
 static void counts_what_it_loses(void **state)
 {
     (void)state;
-    struct trk_recorder_state after = {0};
+    struct trk_recorder_status after = {0};
     struct trk_recorder *recorder = open_new();
     uint64_t count = 0;
     while (!after.lost) {
@@ -336,7 +336,7 @@ static void counts_what_it_loses(void **state)
             struct trk_sample sample = {.sequence = count, .device_ns = count, .arrival_ns = count};
             trk_recorder_append(recorder, &sample);
         }
-        trk_recorder_look(recorder, &after);
+        trk_recorder_get_status(recorder, &after);
     }
     assert_false(trk_recorder_close(recorder, &after));
     assert_non_null(strstr(after.error, "too slow"));
@@ -354,12 +354,12 @@ static struct trk_recorder *shared;
 static void *append_some(void *argument)
 {
     struct trk_sample sample = {.sequence = 0};
-    struct trk_recorder_state now;
+    struct trk_recorder_status now;
     (void)argument;
     for (uint64_t i = 1; i <= 2000; i++) {
         sample.sequence = sample.device_ns = sample.arrival_ns = i;
         trk_recorder_append(shared, &sample);
-        if (i % 100 == 0) trk_recorder_look(shared, &now), sleep_ms(1);
+        if (i % 100 == 0) trk_recorder_get_status(shared, &now), sleep_ms(1);
     }
     return NULL;
 }
@@ -368,7 +368,7 @@ static void *append_some(void *argument)
 static void two_threads(void **state)
 {
     (void)state;
-    struct trk_recorder_state after;
+    struct trk_recorder_status after;
     pthread_t threads[2];
     shared = open_new();
     for (int i = 0; i < 2; i++) assert_int_equal(pthread_create(&threads[i], NULL, append_some, NULL), 0);
