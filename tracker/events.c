@@ -204,12 +204,10 @@ enum trk_state trk_classify(struct trk_classifier *c, uint64_t time_ns, const fl
     memcpy(p->world, world, sizeof p->world);
     if (!bridged) {
         enter(c, TRK_FIXATION, time_ns);
-        c->speed_deg_s = 0;
         return c->state;
     }
 
     double fastest = speed_over(c, peak_span, 0).world;
-    c->speed_deg_s = (float)speed_over(c, onset_spans[0], 0).world;
     if (c->state == TRK_SACCADE) {
         c->peak_deg_s = fmaxf(c->peak_deg_s, (float)fastest);
         follow_saccade(c, time_ns);

@@ -27,7 +27,6 @@ struct trk_classifier {
     enum trk_state state; /* TRK_FIXATION, TRK_SACCADE or TRK_PURSUIT */
     uint64_t since_ns;    /* device time at which the state was entered */
     uint64_t steady_ns;   /* when the slope was last on the state's side of pursuit's threshold */
-    float speed_deg_s;    /* of gaze in the world, lately */
     double noise_deg;     /* standard deviation of an axis, measured */
     uint64_t noises_seen; /* how often */
 
