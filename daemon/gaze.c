@@ -36,8 +36,8 @@ struct dmn_gaze {
 
     pthread_mutex_t lock; /* of all that follows */
     struct trk_attention *attention;
-    struct trk_gaze decision; /* the last */
-    uint64_t decided_ns;      /* when that was */
+    struct trk_aim decision; /* the last */
+    uint64_t decided_ns;     /* when that was */
     struct rnd_aim aim;
     float taken[3];    /* the gaze that the painter's batch is aimed by */
     float measured[3]; /* the last gaze, and whether the newest sample has one */
@@ -176,7 +176,7 @@ static void keep(struct dmn_gaze *gaze, const struct trk_sample *sample_or_null)
 /* True if there is something that clients should hear of. */
 static bool decide(struct dmn_gaze *gaze, const struct trk_sample *sample_or_null, uint64_t now_ns)
 {
-    struct trk_gaze before = gaze->decision, *now = &gaze->decision;
+    struct trk_aim before = gaze->decision, *now = &gaze->decision;
 
     trk_attend(gaze->attention, sample_or_null, now_ns, now);
     gaze->decided_ns = now_ns;

@@ -19,7 +19,7 @@ struct dmn_gaze_sample {
     float direction[3]; /* unit, world: as measured; the last valid one if this sample has none */
     float head[4];      /* orientation, head to world */
     bool valid, has_head, frozen;
-    struct trk_gaze decision; /* what is rendered for */
+    struct trk_aim decision; /* what is rendered for */
 };
 
 struct dmn_gaze_state {

@@ -1,12 +1,13 @@
-/* Arcs on the sphere of directions, in degrees; for the files of tracker/ alone. */
+/* arc: arcs on the sphere of directions, in degrees. For the files of tracker/ alone. */
 #ifndef FOVEAD_TRACKER_ARC_H
 #define FOVEAD_TRACKER_ARC_H
 
 #include <cglm/cglm.h>
 #include <math.h>
 
-/* The arc from one unit vector to another, as a vector in the tangent plane of the first: its direction is
- * that of the arc's start, its length that of the arc in degrees. Between antipodes, any such arc. */
+/* The arc from one unit vector to another, as a vector in the tangent plane of the first: it points along the
+ * start of the arc and is as long as the arc, in degrees. Between antipodes, one of the arcs that there are.
+ */
 static inline void trk_arc(const float from[3], const float to[3], vec3 out_deg)
 {
     vec3 a = {from[0], from[1], from[2]}, b = {to[0], to[1], to[2]}, tangent;

@@ -1,9 +1,8 @@
-/* From samples to a gaze to render for: classify, filter, hold, widen, fall back.
+/* From gaze to aim: classify, filter, hold, widen, fall back.
  *
- * Only this file knows what to do when there is no gaze, and when not to move. What the eye does is
- * events.c's, smoothing filter.c's. Time comes with every call, so that a replay decides as the live stream
- * did.
- */
+ * Only this file decides what to aim at while there is no gaze, and when the aim stays where it is. events.c
+ * classifies what the eye does; filter.c smooths the gaze. Every call brings its own time, so that a replay
+ * leads to the same decisions as the live stream did. */
 #include "tracker.h"
 
 #include "arc.h"
@@ -17,14 +16,14 @@
 
 #define MS UINT64_C(1000000)
 
-/* Gaze is held through a blink; what lasts longer than 500 ms is a loss, and the fovea widens. After 2 s
- * nobody knows where the eye is, and the view's centre is where it mostly is. */
+/* The aim is held through a blink. What lasts longer than 500 ms is a loss, and the fovea widens. After 2 s
+ * nobody knows where the eye looks, and the view's centre is the likeliest place. */
 static const uint64_t held_ns = 500 * MS, given_up_ns = 2000 * MS;
 static const double widest = 4;
-/* No new aim for less than this or three deviations of the noise. */
+/* In a fixation the aim stays while gaze is nearer to it than this, or than three deviations of the noise. */
 static const double dead_zone_deg = 1, dead_zone_noises = 3;
-/* Main sequence, Dai et al. 2016: Vp = eta (1 - exp(-A / c)). Above 0.96 eta its inverse says nothing of use,
- * for there 25 deg/s of noise are 6 degrees: predictions end at 19 degrees. */
+/* Main sequence, Dai et al. 2016: Vp = eta (1 - exp(-A / c)). Above 0.96 eta its inverse is of no use: there,
+ * 25 deg/s of noise change the amplitude by 6 degrees. So predictions end at 19 degrees. */
 static const double saccade_eta = 600, saccade_c = 6, invertible = 0.96;
 static const double largest_turn_deg = 20;
 
@@ -36,19 +35,19 @@ struct trk_attention {
 
     bool has_sample, has_gaze;
     struct trk_sample sample; /* the newest */
-    uint64_t heard_ns; /* when the newest sample was taken; silence counts from here, not from its arrival */
-    double speed;      /* of the device's clock against that time */
-    uint64_t gaze_ns;  /* device time of the newest with a gaze */
-    bool hidden;       /* the newest sample has no gaze; */
+    uint64_t heard_ns;        /* now_ns of the newest sample: silence counts from it, not from the arrival */
+    double speed;             /* of device_ns relative to now_ns */
+    uint64_t gaze_ns;         /* device time of the newest sample with a gaze */
+    bool hidden;              /* the newest sample has no gaze; */
     bool lids_known, lids_closed; /* what it says of the lids */
-    bool settling;                /* the eye has reopened, and what is seen is not believed yet; */
-    uint64_t reopened_ns;         /* since this device time */
+    bool settling;                /* the eye has just reopened, and its gaze is not believed yet; */
+    uint64_t reopened_ns;         /* when that was, in device time */
 
     versor view;
     bool frozen;
-    bool pinned;          /* the aim rests on a fixation */
-    struct trk_gaze live; /* what it would be if it were not frozen */
-    struct trk_gaze last; /* what was answered last */
+    bool pinned;         /* the aim rests on a fixation */
+    struct trk_aim live; /* the aim if it were not frozen */
+    struct trk_aim last; /* the last answer */
 };
 
 struct trk_attention *trk_attention_create(const struct trk_attention_options *options)
@@ -60,7 +59,7 @@ struct trk_attention *trk_attention_create(const struct trk_attention_options *o
     trk_classifier_init(&a->classifier);
     glm_quat_identity(a->rotation);
     glm_quat_identity(a->view);
-    a->live = (struct trk_gaze){.direction = {0, 0, -1}, .spread = 1, .state = TRK_FALLBACK};
+    a->live = (struct trk_aim){.direction = {0, 0, -1}, .spread = 1, .state = TRK_FALLBACK};
     a->last = a->live;
     return a;
 }
@@ -79,8 +78,8 @@ static void begin_anew(struct trk_attention *a)
     a->pinned = false;
 }
 
-/* Filter in the world, where gaze rests while the head turns. A saccade is taken as it is, and its
- * last sample, which lies at rest already, is the first of what follows. After a gap the eye may be
+/* Filter in the world, where gaze rests while the head turns. A saccade is not filtered; its last sample, at
+ * which the eye rests already, is the first that is. A gap begins the filter anew, for the eye may be
  * elsewhere. */
 static void smooth(struct trk_attention *a, uint64_t device_ns, const float world[3])
 {
@@ -90,8 +89,8 @@ static void smooth(struct trk_attention *a, uint64_t device_ns, const float worl
     trk_filter_step(&a->filter, world, dt_s);
 }
 
-/* Where a saccade will land: as far along its arc as the main sequence says for the speed that it has
- * reached. */
+/* Where a saccade will land: along its arc, by the amplitude that the main sequence gives for the speed that
+ * it has reached. */
 static void predict(struct trk_attention *a, const float world[3], float out_world[3])
 {
     vec3 arc;
@@ -102,7 +101,8 @@ static void predict(struct trk_attention *a, const float world[3], float out_wor
     trk_along(a->classifier.from, arc, out_world);
 }
 
-/* Is the eye that has reopened to be believed? At rest over three samples, or when the lid must be up. */
+/* Is the gaze of an eye that has reopened to be believed? Once it rests over three samples, or the lid must
+ * be up. */
 static bool is_settled(const struct trk_attention *a)
 {
     const struct trk_classifier *c = &a->classifier;
@@ -111,8 +111,8 @@ static bool is_settled(const struct trk_attention *a)
            trk_angle_deg(a->filter.value, a->filter.raw) < fmax(TRK_LEAST_JUMP_DEG, 3 * c->noise_deg);
 }
 
-/* A gaze is seen: aim at it, unless it only trembles around where the aim is. */
-static void aim(struct trk_attention *a, const float world[3], const char *source)
+/* Aim at a gaze, unless it only trembles around the aim. */
+static void aim_at(struct trk_attention *a, const float world[3], const char *source)
 {
     const struct trk_classifier *c = &a->classifier;
     const bool predicted = a->options.predict && c->state == TRK_SACCADE;
@@ -163,7 +163,7 @@ static void see(struct trk_attention *a, const float head[3], const char *source
         return;
     }
     a->live.spread = 1;
-    aim(a, world, source);
+    aim_at(a, world, source);
 }
 
 static void take(struct trk_attention *a, const struct trk_sample *sample, uint64_t now_ns)
@@ -221,14 +221,15 @@ static void give_up(struct trk_attention *a, const char *why)
     a->pinned = false;
 }
 
-/* How long the source has said nothing, on the device's clock. */
+/* How long no sample has come, on the device's clock. */
 static uint64_t silence_ns(const struct trk_attention *a, uint64_t now_ns)
 {
     if (now_ns <= a->heard_ns) return 0;
     return (uint64_t)fmin((double)(now_ns - a->heard_ns) * a->speed, 0x1p62);
 }
 
-/* Time passes, and no eye is seen: neither in the newest sample nor, when there is none, since. */
+/* Time passes: hold, widen or give up the aim if no eye is seen, because the newest sample shows none or
+ * because none comes. */
 static void pass_time(struct trk_attention *a, uint64_t now_ns)
 {
     if (!a->has_gaze && a->live.state == TRK_FALLBACK) {
@@ -264,23 +265,23 @@ static void pass_time(struct trk_attention *a, uint64_t now_ns)
 /* --- the answer ----------------------------------------------------------------------------------------- */
 
 void trk_attend(struct trk_attention *a, const struct trk_sample *sample_or_null, uint64_t now_ns,
-                struct trk_gaze *out_gaze)
+                struct trk_aim *out_aim)
 {
     if (sample_or_null) take(a, sample_or_null, now_ns);
     pass_time(a, now_ns);
-    struct trk_gaze gaze = a->live;
+    struct trk_aim aim = a->live;
     if (a->frozen) {
-        memcpy(gaze.direction, a->last.direction, sizeof gaze.direction);
-        gaze.spread = a->last.spread;
-        gaze.state = TRK_FROZEN;
-        gaze.source = "last gaze";
-        gaze.why = "frozen";
+        memcpy(aim.direction, a->last.direction, sizeof aim.direction);
+        aim.spread = a->last.spread;
+        aim.state = TRK_FROZEN;
+        aim.source = "last gaze";
+        aim.why = "frozen";
     }
-    gaze.time_ns = now_ns;
-    gaze.noise_deg = (float)a->classifier.noise_deg;
-    gaze.moved = gaze.spread != a->last.spread ||
-                 memcmp(gaze.direction, a->last.direction, sizeof gaze.direction) != 0;
-    a->last = *out_gaze = gaze;
+    aim.time_ns = now_ns;
+    aim.noise_deg = (float)a->classifier.noise_deg;
+    aim.moved =
+        aim.spread != a->last.spread || memcmp(aim.direction, a->last.direction, sizeof aim.direction) != 0;
+    a->last = *out_aim = aim;
 }
 
 void trk_attention_freeze(struct trk_attention *attention, bool frozen)

@@ -1,4 +1,4 @@
-/* A device's own time told on CLOCK_MONOTONIC: unwrapping, steps, and the line under the delays. */
+/* The map from a device's own time to CLOCK_MONOTONIC: unwrapping, steps, and the line below the delays. */
 #include "clock.h"
 
 #include <math.h>

@@ -1,10 +1,10 @@
-/* clock: a device's own time told on CLOCK_MONOTONIC.
+/* clock: maps a device's own time to CLOCK_MONOTONIC.
  *
- * A device stamps its samples with a counter of its own, of so many bits, that drifts, wraps, repeats itself
- * and starts again; a sample arrives some delay after its stamp, never before. The map is the line under all
- * (device time, delay) points of the last half minute that lies closest to them: the edge of their lower
- * convex hull above their mean (Moon, Skelly and Towsley 1999; Zhang, Liu and Xia 2002). What it cannot know
- * is the smallest delay itself, so a mapped time is late by that.
+ * A device stamps its samples with a counter that has a limited number of bits, drifts, wraps, repeats values
+ * and starts again. A sample arrives some time after its stamp, never before it. The map is the line that
+ * lies closest below all (device time, delay) points of the last half minute: the edge of their lower convex
+ * hull at their mean device time (Moon, Skelly and Towsley 1999; Zhang, Liu and Xia 2002). It cannot know the
+ * smallest delay, so a mapped time is late by that delay.
  *
  * Pure: no threads, no system clock. Only for sources that have a device clock. */
 #ifndef FOVEAD_TRACKER_CLOCK_H
@@ -23,13 +23,14 @@ struct trk_clock {
     unsigned bits;
     double tick_ns;
     bool started;
-    uint64_t ticks, arrival_ns, first_arrival_ns; /* ticks and arrival of the last sample */
-    int64_t elapsed;                              /* ticks since base_ns */
+    uint64_t ticks, arrival_ns; /* of the last sample */
+    uint64_t first_arrival_ns;
+    int64_t elapsed; /* ticks since base_ns */
     double base_ns;
-    double device_ns; /* the latest told: time never goes back */
+    double device_ns; /* the latest that was returned: it never goes back */
     uint64_t sensor_ns;
-    unsigned behind; /* samples in a row not after device_ns */
-    int seconds;     /* kept, oldest first */
+    unsigned behind; /* how many samples in a row were not after device_ns */
+    int seconds;     /* how many are kept, oldest first */
     struct trk_clock_second second[TRK_CLOCK_SECONDS];
     double at_ns, delay_ns, slope; /* the line: delay_ns at device time at_ns */
     double mean_ns, variance;      /* of the delay above the line */

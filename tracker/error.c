@@ -1,4 +1,4 @@
-/* One line of text for what went wrong. */
+/* One line of text that says what went wrong. */
 #include "error.h"
 
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* One line of text for what went wrong; for the files of tracker/ alone. */
+/* error: one line of text that says what went wrong. For the files of tracker/ alone. */
 #ifndef FOVEAD_TRACKER_ERROR_H
 #define FOVEAD_TRACKER_ERROR_H
 
@@ -11,7 +11,7 @@
 bool trk_fail(char out_error[TRK_ERROR_SIZE], const char *format, ...) __attribute__((format(printf, 2, 3)));
 bool trk_vfail(char out_error[TRK_ERROR_SIZE], const char *prefix, const char *format, va_list arguments)
     __attribute__((format(printf, 3, 0)));
-/* Put '?' for control characters: C0, DEL, and C1 as a byte or as UTF-8. */
+/* Replace control characters (C0, DEL, and C1 as a byte or as UTF-8) by '?'. */
 void trk_make_printable(char *text);
 
 #endif

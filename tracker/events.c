@@ -1,4 +1,4 @@
-/* The classifier of the live stream, and the events of a whole log that it finds. */
+/* The classifier: speeds, states and noise, and its constants. */
 #include "events.h"
 
 #include "arc.h"

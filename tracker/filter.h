@@ -1,9 +1,8 @@
-/* The one-euro filter on the sphere: still while gaze is still, quick when it moves.
+/* filter: the one-euro filter on the sphere. It is still while gaze is still, and quick when gaze moves.
  *
- * Casiez, Roussel and Vogel 2012, "1 Euro Filter": a low-pass whose cut-off rises with speed. Here its step
- * goes along the arc from the filtered to the measured direction, in the tangent plane, so that it is the
- * same at the poles and across any seam. It is for fixation and pursuit: a saccade begins it anew.
- */
+ * Casiez, Roussel and Vogel 2012, "1 Euro Filter": a low-pass whose cut-off rises with speed. Here it steps
+ * along the arc from the filtered to the measured direction, in the tangent plane, so that poles and seams
+ * make no difference. It is for fixation and pursuit; a saccade begins it anew. */
 #ifndef FOVEAD_TRACKER_FILTER_H
 #define FOVEAD_TRACKER_FILTER_H
 
@@ -14,9 +13,9 @@ struct trk_filter {
     float velocity_deg_s[3]; /* low-passed: a tangent vector */
 };
 
-/* Take a measured direction (unit), dt_s after the last one, and move filter->value. The first one after a
- * reset is taken as it is, and dt_s not looked at; the next ones weigh at least as much as in a plain mean,
- * so that the noise of the first is soon forgotten. */
+/* Move filter->value towards a measured direction (unit), dt_s after the last one. The first direction after
+ * a reset is taken as it is, whatever dt_s. The next ones weigh at least as much as in a plain mean, so that
+ * the noise of the first is soon forgotten. */
 void trk_filter_step(struct trk_filter *filter, const float direction[3], double dt_s);
 
 void trk_filter_reset(struct trk_filter *filter);

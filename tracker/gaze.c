@@ -1,4 +1,4 @@
-/* The gaze of one sample: which eyes to believe, and where they look together. */
+/* The gaze of one sample: which eyes are to be believed, and where they look together. */
 #include "gaze.h"
 
 #include <cglm/cglm.h>

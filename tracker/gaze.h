@@ -1,18 +1,19 @@
-/* The gaze of one sample: which eyes to believe, and where they look together. */
+/* gaze: the gaze of one sample. Which eyes are to be believed, and where do they look together? What others
+ * may ask is in tracker.h: trk_gaze_direction(), trk_world_direction(). */
 #ifndef FOVEAD_TRACKER_GAZE_H
 #define FOVEAD_TRACKER_GAZE_H
 
 #include "tracker.h"
 
-/* The combined gaze and its origin, where the sample has none: the mean of the eyes that are valid; one is
- * enough. True if it is that of two. */
+/* Fill in the combined direction and origin where the sample has none: the mean of the eyes that are valid,
+ * or that of one eye. True if the direction is the mean of two. */
 bool trk_combine(struct trk_sample *sample);
 
-/* A direction in the head, by the sample's head pose if it has one. */
+/* Turn a direction in the head by the sample's head pose, if it has one. */
 void trk_to_world(const struct trk_sample *sample, const float head[3], float out_world[3]);
 
-/* Are the lids, as far as the sample tells, less than half open? An eye that is seen, and of whose lid
- * nothing is told, is open. *out_known is false if the sample does not tell. */
+/* Are all lids that the sample tells of less than half open? An eye that is seen, and whose openness is
+ * unknown, is open. *out_known: does the sample tell the openness of any eye? */
 bool trk_lids_closed(const struct trk_sample *sample, bool *out_known);
 
 #endif

@@ -1,4 +1,5 @@
-/* Report descriptors: items, the state they build up, and the fields that an eye tracker's reports hold.
+/* The parser of report descriptors: items, the values that they set for later items, and the fields of
+ * reports.
  *
  * Numbers in comments are sections of the HID specification 1.11. */
 #include "hid_descriptor.h"

@@ -1,9 +1,9 @@
 /* hid_descriptor: what a HID report descriptor says of an eye tracker.
  *
- * A parser of our own scope, usage page 0x12 "Eye and Head Trackers" (HUTRR74): a pure function from the
- * bytes of a report descriptor (HID 1.11, 6.2.2) to a plain table of where each quantity lies in which report
- * and what it means, by which hid_report decodes. Any report id, order, size, unit and exponent; everything
- * else in the descriptor is passed over. */
+ * A pure function turns the bytes of a report descriptor (HID 1.11, 6.2.2) into a table that says in which
+ * report, and where in it, each quantity lies and what it means; hid_report decodes by this table. It knows
+ * usage page 0x12 "Eye and Head Trackers" (HUTRR74), with any report id, order, size, unit and exponent, and
+ * passes over everything else in the descriptor. */
 #ifndef FOVEAD_TRACKER_HID_DESCRIPTOR_H
 #define FOVEAD_TRACKER_HID_DESCRIPTOR_H
 

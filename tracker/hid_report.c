@@ -1,4 +1,4 @@
-/* Reports of an eye tracker on HID: bits to numbers, numbers to rays. */
+/* Reports of an eye tracker on HID: from bits to numbers, and from numbers to a sample. */
 #include "hid_report.h"
 
 #include <cglm/cglm.h>

@@ -1,10 +1,10 @@
-/* hid_report: what an eye tracker's HID reports say, by the layout of its descriptor: pure functions from the
- * bytes of a report to numbers, and from these to a gaze sample in our frame.
+/* hid_report: what the HID reports of an eye tracker say. Pure functions turn the bytes of a report into
+ * numbers, by the layout of its descriptor, and the numbers into a gaze sample in our frame.
  *
- * Usage page 0x12 gives a gaze point on the screen, from the top left corner of the calibrated area, +X right
- * and +Y down; eye and head positions are taken to be from the same corner, +Z towards the viewer (no source
- * that is public says it). In our frame the origin is where the viewer's eyes are supposed to be: before the
- * middle of the screen at its distance. */
+ * Usage page 0x12 gives a gaze point on the screen, measured from the top left corner of the calibrated area,
+ * +X right and +Y down. Eye and head positions are taken to be measured from the same corner, +Z towards the
+ * viewer; no public source says so. The origin of our frame is where the viewer's eyes should be: in front of
+ * the middle of the screen, at its distance. */
 #ifndef FOVEAD_TRACKER_HID_REPORT_H
 #define FOVEAD_TRACKER_HID_REPORT_H
 

@@ -1,5 +1,5 @@
-/* The events of a whole log: every sample gets a label, labels are mended by what came later, and runs of the
- * same label are events. */
+/* The events of a whole log. Every sample gets a label, later samples correct the labels of earlier ones, and
+ * runs of the same label are events. */
 #include "events.h"
 #include "gaze.h"
 

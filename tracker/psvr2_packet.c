@@ -1,4 +1,4 @@
-/* Gaze packets on vendor USB: what lies where, and its way into our frame. */
+/* Gaze packets on vendor USB: the layout, and the conversion into our frame. */
 #include "psvr2_packet.h"
 
 #include <math.h>

@@ -1,8 +1,9 @@
-/* psvr2_packet: gaze packets of head-mounted eye trackers on vendor USB, as bytes that a table describes.
+/* psvr2_packet: the gaze packets of headsets with a vendor's own USB interface. A layout says at which offset
+ * each field of a packet lies.
  *
- * One layout so far, the PlayStation VR2's. Another device whose packets hold the same things at other places
- * is another layout. Facts: the public sources of Monado's psvr2 driver and of PSVR2Toolkit agree on every
- * offset used here. */
+ * So far there is one layout, that of the PlayStation VR2. A device whose packets hold the same fields at
+ * other offsets needs only another layout. The public sources of Monado's psvr2 driver and of PSVR2Toolkit
+ * agree on every offset used here. */
 #ifndef FOVEAD_TRACKER_PSVR2_PACKET_H
 #define FOVEAD_TRACKER_PSVR2_PACKET_H
 

@@ -1,9 +1,8 @@
 /* The recorder: samples go into a queue, and a thread of its own writes them to the disk.
  *
- * Rows are appended whole, some at a time, so that a crash of the program leaves whole rows; only a crash of
- * the machine can tear the last one, which the reader drops. Who appends never waits for a write. What the
- * disk does not take stays in the queue and is tried again.
- */
+ * It writes several whole rows at a time, so that a crash of the program leaves whole rows. Only a crash of
+ * the machine can tear the last row, which the reader leaves out. trk_recorder_append() never waits for a
+ * write. What the disk does not take stays in the queue, and is written again later. */
 #include "tracker.h"
 
 #include "error.h"

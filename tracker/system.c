@@ -1,4 +1,4 @@
-/* What is asked of the operating system: the time, to be woken at a time, and to run soon after that. */
+/* What the operating system does for this folder: it tells the time, wakes threads, and runs them soon. */
 #include "system.h"
 
 #include "tracker.h"

@@ -156,7 +156,7 @@ static void print_text(const char *path, const struct trk_log *log, const struct
     printf("  %-12s %zu in %.3f s\n", "samples", log->count, s->span_s);
     if (s->rate.hz > 0) {
         printf("  %-12s %.1f Hz; middle step of %.3f ms", "rate", s->rate.hz,
-               (double)s->rate.middle_ns / 1e6);
+               (double)s->rate.median_ns / 1e6);
         if (s->rate.gaps) printf("; %.1f Hz if the gaps are counted", s->mean_hz);
         putchar('\n');
     }
@@ -197,7 +197,7 @@ static bool print_json(const char *path, const struct trk_log *log, const struct
     json_t *root = json_pack(
         "{s:s, s:s, s:I, s:I, s:f, s:f, s:f, s:f, s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:b}", "file", path,
         "format", log->format, "samples", (json_int_t)log->count, "lost", (json_int_t)(log->count - s->gaze),
-        "span_s", s->span_s, "rate_hz", s->rate.hz, "median_step_ms", (double)s->rate.middle_ns / 1e6,
+        "span_s", s->span_s, "rate_hz", s->rate.hz, "median_step_ms", (double)s->rate.median_ns / 1e6,
         "mean_hz", s->mean_hz, "gaps", (json_int_t)s->rate.gaps, "longest_gap_ms",
         (double)s->rate.longest_ns / 1e6, "missing", (json_int_t)s->unseen, "left", (json_int_t)s->eye[0],
         "right", (json_int_t)s->eye[1], "left_pupil", (json_int_t)s->pupil[0], "right_pupil",

@@ -59,7 +59,7 @@ struct world {
     struct tick *tick;
     struct saccade *saccade; /* from 1 */
     struct trk_sample *sample;
-    struct trk_gaze *gaze[WAYS];
+    struct trk_aim *gaze[WAYS];
 };
 
 struct onset {
@@ -260,7 +260,7 @@ static int class_of(double amplitude_deg)
  */
 static void measure_onsets(const struct world *world, struct result *out)
 {
-    const struct trk_gaze *gaze = world->gaze[1];
+    const struct trk_aim *gaze = world->gaze[1];
     int *late = calloc(world->saccades + 2, sizeof *late); /* 1 + samples, 0: not found */
     size_t false_alarms = 0, seen = 0;
     if (!late) return;

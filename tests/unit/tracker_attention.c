@@ -145,7 +145,7 @@ static void repeats_itself(void **state)
     (void)state;
     struct trk_log log;
     assert_true(trk_synthesise(3, 60, &log));
-    struct trk_gaze *first = calloc(log.count, sizeof *first);
+    struct trk_aim *first = calloc(log.count, sizeof *first);
     assert_non_null(first);
     for (int pass = 0; pass < 2; pass++) {
         begin(&(struct trk_attention_options){.predict = true});

@@ -24,7 +24,7 @@ static inline void at(double azimuth_deg, double elevation_deg, float out[3])
 }
 
 static struct trk_attention *attention;
-static struct trk_gaze gaze;
+static struct trk_aim gaze;
 static uint64_t tick; /* samples of 120 Hz so far */
 
 static inline void begin(const struct trk_attention_options *options)

@@ -85,7 +85,7 @@ static void what_is_valid_steers(void **state)
             const struct trk_sample sample = sample_with(valid, lids & 1, lids >> 1);
             struct trk_attention *attention =
                 trk_attention_create(&(struct trk_attention_options){.raw = true});
-            struct trk_gaze gaze;
+            struct trk_aim gaze;
             float world[3];
             assert_non_null(attention);
             trk_attend(attention, &sample, 1, &gaze);

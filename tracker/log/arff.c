@@ -10,9 +10,9 @@
  *
  * The panorama's middle is forward, x grows to the right and y down, as in any equirectangular picture that
  * is seen upright; so gaze has its world direction whatever the head does. The head pose is yaw, pitch and
- * then roll. Its sign the description leaves open; in the rotations of the data set's own tool a positive one
- * is the head's tilt to the left. It moves gaze in the head, not in the world. Confidence below 0.5 is a lost
- * sample. The rows of the tests are made after the description's example. */
+ * then roll. The description does not give the sign of the roll; in the rotations of the data set's own tool
+ * a positive roll tilts the head to the left. It changes gaze in the head, not in the world. A sample with a
+ * confidence below 0.5 is lost. The rows of the tests follow the example of the description. */
 #include "log/formats.h"
 
 #include <cglm/cglm.h>

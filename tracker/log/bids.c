@@ -1,5 +1,5 @@
-/* BIDS eye tracking (BEP020): NAME.tsv.gz, a table without header; JSON files beside and above it say what is
- * in it (bids_sidecar.c).
+/* BIDS eye tracking (BEP020): NAME.tsv.gz, a table without header, which JSON files beside and above it
+ * describe (bids_sidecar.c).
  *
  * The sidecar's Columns names the columns: timestamp, x_coordinate, y_coordinate, perhaps pupil_size, and
  * others, which are left alone. An object of a column's name has its Units. SampleCoordinateSystem is
@@ -7,10 +7,11 @@
  * gaze-in-world (degrees or radians, right and up, up after right). RecordedEye is left, right or cyclopean;
  * an eye has a file of its own. SamplingFrequency is in Hz. Missing is n/a. ScreenResolution (px), ScreenSize
  * and ScreenDistance (m) and ScreenOrigin (the corner that pixels count from) stand in StimulusPresentation
- * of the metadata of events; the sidecar, which had them in drafts, goes before. Which way degrees count BIDS
- * does not say: right and up is taken, and said; what this project writes (bids_write.c) says so itself.
- * Files whose suffix is physioevents hold what the tracker made of the gaze, and none. No real file was at
- * hand; rows of the tests are made, one of them after the specification's example. */
+ * of the metadata of events; those in the sidecar, where drafts had them, take precedence. BIDS does not
+ * say which way degrees count: the reader takes right and up, and notes it; what this project writes
+ * (bids_write.c) says so itself. Files whose suffix is physioevents hold the tracker's events and no gaze. No
+ * real file was at hand: the rows of the tests are invented, one of them after the specification's example.
+ */
 #include "log/bids.h"
 #include "log/formats.h"
 

@@ -1,4 +1,4 @@
-/* What BIDS says of a table in files beside and above it. */
+/* bids: the metadata of a table in JSON files beside and above it. */
 #ifndef FOVEAD_TRACKER_LOG_BIDS_H
 #define FOVEAD_TRACKER_LOG_BIDS_H
 
@@ -6,7 +6,7 @@
 
 #include <jansson.h>
 
-/* Where metadata was looked for, and how many files of it there were. */
+/* Where metadata was searched for, and how many files of it there were. */
 struct trk_bids_places {
     char top[128]; /* the highest folder; that of the table is the lowest */
     size_t files;

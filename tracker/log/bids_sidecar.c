@@ -1,8 +1,7 @@
-/* BIDS's inheritance: metadata of a table lies in JSON files in its folder and in all above it, up to the
- * root of the dataset, which holds dataset_description.json. A file applies to all tables of its suffix below
- * it that have all entities of its name. Deeper files go before higher ones, key by key. (BIDS 1.10, common
- * principles.)
- */
+/* BIDS's inheritance: the metadata of a table is in JSON files in its folder and in all folders above it, up
+ * to the root of the dataset, which holds dataset_description.json. A file applies to all tables of its
+ * suffix below it whose names have all entities of its own name. Of two files that have the same key, the
+ * deeper one counts. (BIDS 1.10, common principles.) */
 #include "log/bids.h"
 
 #include "error.h"

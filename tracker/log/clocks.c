@@ -1,4 +1,4 @@
-/* Clocks of logs: that they never go back, and that they run at all. */
+/* The times of logs: units, times that go back, and clocks that do not run. */
 #include "log/clocks.h"
 
 #include "error.h"

@@ -1,4 +1,4 @@
-/* From what devices record to our units and frame: frames, screens, and the fields of a sample. */
+/* The conversion of what devices record to our units and frame. */
 #include "log/convert.h"
 
 #include <cglm/cglm.h>

@@ -1,4 +1,5 @@
-/* convert: from what devices record to our units and frame: frames, screens, and the fields of a sample. */
+/* convert: turns what devices record into our units and frame: frames, screens, and the fields of a sample.
+ */
 #ifndef FOVEAD_TRACKER_LOG_CONVERT_H
 #define FOVEAD_TRACKER_LOG_CONVERT_H
 

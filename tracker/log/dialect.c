@@ -1,5 +1,4 @@
-/* Dialects: how programs and spreadsheets vary in writing the same rows. What is here holds for all formats.
- */
+/* How programs and spreadsheets vary in writing the same rows, whatever the format. */
 #include "log/dialect.h"
 
 #include <ctype.h>

@@ -1,5 +1,4 @@
-/* Files that people take for gaze logs and that are none: told by their first bytes or their header, and
- * refused by name, with what is wanted instead. */
+/* The files that people take for gaze logs and that are none, and what is said to them. */
 #include "log/foreign.h"
 
 #include "log/table.h"

@@ -4,12 +4,13 @@
  *   <REC CNT="34" TIME="0.5" TIME_TICK="463" BPOGX="0.5" BPOGY="0.5" BPOGV="1" ... />
  *
  * Points of gaze are shares of the screen from its top left corner, x to the right and y down (the API's
- * manual; no recording was at hand that could show it, and the rows of the tests are made), and may leave
- * 0..1. BPOG is both eyes', LPOG and RPOG each one's; V says valid, and a lost sample repeats the last point
- * with V 0. FPOG holds still during saccades and is taken only where there is nothing else. LPMM and RPMM are
- * pupils in mm. BKID is not 0 in a blink. TIME, in seconds, is the tracker's clock; TIME_TICK, in ticks of f
- * a second, the host's. An export of several media begins TIME anew with each of them, while the ticks go on:
- * they tell how long after the last sample that was. CNT counts samples: a gap is a lost one. */
+ * manual; no recording was at hand that could show it, and the rows of the tests are invented), and may be
+ * outside 0..1. BPOG is both eyes', LPOG and RPOG each one's; V says valid, and a lost sample repeats the
+ * last point with V 0. FPOG holds still during saccades and is taken only where there is nothing else. LPMM
+ * and RPMM are pupils in mm. BKID is not 0 in a blink. TIME, in seconds, is the tracker's clock; TIME_TICK,
+ * in ticks of f a second, the host's. An export of several media begins TIME anew with each of them, while
+ * the ticks go on: they tell how long after the last sample that was. CNT counts samples: a gap is a lost
+ * one. */
 #include "log/formats.h"
 
 #include "error.h"

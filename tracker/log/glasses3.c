@@ -7,8 +7,8 @@
  * Origins and gaze3d are in mm, in the head unit's frame, which has its zero in the scene camera: +X to the
  * wearer's left, +Y up, +Z forward. How this is known: in quoted rows the left eye's origin has x = +28 mm
  * and the right eye's -31 mm, and a point with x = -82 mm lies in the right half of the picture (gaze2d 0.54,
- * from the top left corner). The combined gaze is that of the eyes, and where neither has one the way to
- * gaze3d. No recording was at hand: the rows of the tests are made. */
+ * from the top left corner). The combined gaze is that of the eyes; where neither eye has one it points to
+ * gaze3d. No recording was at hand: the rows of the tests are invented. */
 #include "log/formats.h"
 
 #include <jansson.h>

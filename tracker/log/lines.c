@@ -1,4 +1,4 @@
-/* Lines of a file, and plain numbers. */
+/* Lines of a file, and the numbers in their fields. */
 #include "log/lines.h"
 
 #include "error.h"

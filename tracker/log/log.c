@@ -164,7 +164,7 @@ static bool read_reading(struct trk_reading *reading, char out_error[TRK_ERROR_S
     return true;
 }
 
-/* What the options say must be possible before any file is looked at. */
+/* What the options say must be possible, whatever the file. */
 static bool check_options(const struct trk_log_options *options, char out_error[TRK_ERROR_SIZE])
 {
     static const char *const units[] = {"s", "ms", "us", "ns"};

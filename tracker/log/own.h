@@ -1,4 +1,4 @@
-/* The project's own gaze log: text that a person can read and any tool can split.
+/* own: the project's own gaze log: text that a person can read and any tool can split.
  *
  * - Line 1 is "fovead-gaze 1".
  * - Line 2 has the names of the 33 columns below, separated by one space; of 35, with a screen.

@@ -1,12 +1,12 @@
-/* The rate of a log. Steps of time are uneven in many: a tracker that stamps its samples in bursts, a host
- * that was held up and then catches up, whole ms of a camera of 120 Hz, stamps that were skipped; and there
- * are pauses and losses between, which no rate should count. So the rate is that of the mean of the steps
- * that are no gaps. What a gap is follows from the rate, and the rate from the gaps, so both are found in
- * turns. The turns start from the middle step: where most steps are even, few of them are gaps by it. Where
- * many would be, samples come in bursts, and the turns start from the mean of all steps. */
+/* The rate of a log. In many logs the steps of time are uneven: a tracker stamps its samples in bursts, a
+ * host was held up and then catches up, times of a camera of 120 Hz are whole ms, stamps were skipped.
+ * Between them are pauses and losses, which must not count. So the rate is that of the mean of the steps that
+ * are not gaps. The gaps follow from the rate and the rate from the gaps, so both are found in turns. The
+ * turns start from the median step: where most steps are even, it makes few of them gaps. Where it makes many
+ * of them gaps, samples come in bursts, and the turns start from the mean of all steps. */
 #include "tracker.h"
 
-/* Steps are even if so many of them are from half to twice the middle one, and no more than so many are gaps
+/* Steps are even if so many of them are from half to twice the median, and no more than so many are gaps
  * by it; of gaps that are no longer than a burst, fewer. */
 static const double least_even = 0.7, most_gaps = 0.15, most_short_gaps = 0.05;
 
@@ -46,34 +46,34 @@ static bool is_gap(const struct trk_log *log, double mean_ns, const struct burst
             missing_ns(log, mean_ns, burst->samples, i) > (TRK_GAP_STEPS - 1) * mean_ns);
 }
 
-/* The middle step, without a list of all steps: its digits are found one by one, the highest first. The steps
+/* The median step, without a list of all steps: its digits are found one by one, the highest first. The steps
  * that share the digits found so far are counted by their next digit. */
-static uint64_t find_middle(const struct trk_log *log)
+static uint64_t find_median(const struct trk_log *log)
 {
     enum { DIGIT = 11, HIGHEST = 55 }; /* bits */
     size_t rank = (log->count - 1) / 2;
-    uint64_t middle_ns = 0;
+    uint64_t median_ns = 0;
     for (int shift = HIGHEST; shift >= 0; shift -= DIGIT) {
         size_t counts[1 << DIGIT] = {0};
         uint64_t digit = 0, last_ns = trk_log_time(log, 0);
         for (size_t i = 1; i < log->count; i++) {
             const uint64_t time_ns = trk_log_time(log, i), step = time_ns - last_ns;
             last_ns = time_ns;
-            if ((step ^ middle_ns) >> shift >> DIGIT == 0) counts[step >> shift & ((1 << DIGIT) - 1)]++;
+            if ((step ^ median_ns) >> shift >> DIGIT == 0) counts[step >> shift & ((1 << DIGIT) - 1)]++;
         }
         while (rank >= counts[digit]) rank -= counts[digit++];
-        middle_ns |= digit << shift;
+        median_ns |= digit << shift;
     }
-    return middle_ns;
+    return median_ns;
 }
 
-/* The share of steps that are from half to twice the middle one. */
-static double find_even(const struct trk_log *log, uint64_t middle_ns)
+/* The share of steps that are from half to twice the median. */
+static double find_even(const struct trk_log *log, uint64_t median_ns)
 {
     size_t even = 0;
     for (size_t i = 1; i < log->count; i++) {
         const uint64_t step = trk_log_time(log, i) - trk_log_time(log, i - 1);
-        even += 2 * step >= middle_ns && step <= 2 * middle_ns;
+        even += 2 * step >= median_ns && step <= 2 * median_ns;
     }
     return (double)even / (double)(log->count - 1);
 }
@@ -106,10 +106,10 @@ void trk_log_rate(const struct trk_log *log, struct trk_rate *out_rate)
 {
     *out_rate = (struct trk_rate){0};
     if (log->count < 2) return;
-    out_rate->middle_ns = find_middle(log);
-    const double steps = (double)(log->count - 1), even = find_even(log, out_rate->middle_ns);
+    out_rate->median_ns = find_median(log);
+    const double steps = (double)(log->count - 1), even = find_even(log, out_rate->median_ns);
     const uint64_t span_ns = trk_log_time(log, log->count - 1) - trk_log_time(log, 0);
-    if (out_rate->middle_ns) settle(log, (double)out_rate->middle_ns, &catching_up, out_rate);
+    if (out_rate->median_ns) settle(log, (double)out_rate->median_ns, &catching_up, out_rate);
     const double gaps = (double)out_rate->gaps / steps;
     out_rate->in_bursts = out_rate->hz == 0 || even < least_even || gaps > most_gaps ||
                           (gaps > most_short_gaps && (double)out_rate->longest_ns <= bursts.pause_ns);

@@ -1,4 +1,4 @@
-/* Several recordings in one table: rows of different participants or recordings are not one gaze. */
+/* Several recordings in one table, and the one that the option names. */
 #include "log/recording.h"
 
 #include "error.h"

@@ -1,4 +1,4 @@
-/* What every log must hold, whatever its format. */
+/* What every log must hold, whatever its format: order, limits, sorting. */
 #include "log/rows.h"
 
 #include "log/clocks.h"

@@ -1,16 +1,16 @@
-/* The samples of a log, packed: a log may have tens of millions of them, a struct trk_sample has room for all
- * that any tracker measures, and a log fills a few of its fields.
+/* The samples of a log, packed. A log may have tens of millions of them; a struct trk_sample has room for
+ * everything that any tracker measures, and a log fills only a few of its fields.
  *
- * A block holds up to ROWS samples that follow each other. In a block a field takes the same number of bits
- * in every row: as many as its largest remainder needs. The remainder of a sequence number, device time or
- * delay is what it has above a line with the slope from the first row to the last; that of any other field,
- * what it has above the lowest value. A field whose remainders are all 0 takes no bits. A float is kept by
- * its bits. Fields that no sample of the block has are left out, and so is the combined gaze where it is what
- * trk_combine() makes of the eyes, which then makes it anew. So samples come out as they went in, bit for
- * bit, but for fields whose valid bit is unset: those come out as 0.
+ * A block holds up to ROWS consecutive samples. In a block a field takes the same number of bits in every
+ * row, as many as its largest remainder needs. The remainder of a sequence number, device time or delay is
+ * its height above a line with the slope from the first row to the last; the remainder of any other field is
+ * its height above the lowest value. A field whose remainders are all 0 takes no bits. A float is kept as its
+ * bits. Fields that no sample of the block has are left out. So is the combined gaze where trk_combine()
+ * makes the same from the eyes; reading a sample then calls trk_combine(). Samples come out as they went in,
+ * bit for bit; only fields whose valid bit is unset come out as 0.
  *
- * One block at most is open, as an array of samples: the last one while a log grows, any other while its
- * samples are replaced. */
+ * At most one block is open, as an array of samples: the last one while the log grows, or another one while
+ * its samples are replaced. */
 #include "log/samples.h"
 
 #include "gaze.h"

@@ -1,7 +1,7 @@
-/* samples: how a log keeps its samples, and how they get there.
+/* samples: how a log keeps its samples.
  *
- * tracker.h has what reads them: trk_log_sample(), trk_log_time(). A log that is being made or changed
- * belongs to one thread. */
+ * These functions add and replace samples; trk_log_sample() and trk_log_time() of tracker.h read them. Only
+ * one thread may use a log while it is made or changed. */
 #ifndef FOVEAD_TRACKER_SAMPLES_H
 #define FOVEAD_TRACKER_SAMPLES_H
 

@@ -1,4 +1,4 @@
-/* Tables: columns by name, rows, numbers that may be missing. */
+/* Tables: columns by name, rows, and numbers that may be missing. */
 #include "log/table.h"
 
 #include "log/clocks.h"

@@ -1,4 +1,4 @@
-/* The switch from a recording to an eye tracker, once: see auto.h. */
+/* The switch from the replay to the eye tracker, which happens once. */
 #include "source/auto.h"
 
 #include "source/device.h"

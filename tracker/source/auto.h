@@ -1,4 +1,4 @@
-/* auto: a recording while no eye tracker is there. It is replayed until one is plugged in and sees an eye. */
+/* auto: replays a log while there is no eye tracker, until one is plugged in and sees an eye. */
 #ifndef FOVEAD_TRACKER_AUTO_H
 #define FOVEAD_TRACKER_AUTO_H
 

@@ -1,4 +1,4 @@
-/* The source that reads an eye tracker: the thread that keeps it plugged in. */
+/* The source that reads an eye tracker, and its thread. */
 #include "source/device.h"
 
 #include "clock.h"

@@ -1,10 +1,11 @@
-/* kinds: the table of gaze sources. */
+/* kinds: the table of gaze sources. A row is in the file of its source, but for that of auto, which chooses
+ * among the others: see sources.c. */
 #ifndef FOVEAD_TRACKER_KINDS_H
 #define FOVEAD_TRACKER_KINDS_H
 
 #include "source/source.h"
 
-/* Auto tries devices in this order. */
+/* auto tries devices in this order. */
 /* clang-format off */
 #define TRK_SOURCE_KINDS(KIND) \
     KIND(trk_hid) \

@@ -1,9 +1,9 @@
-/* A synthetic observer: how the eye and head of someone who looks around in a panorama move, and what a
- * headset's tracker makes of it. Every number follows from the seed.
+/* observer: a synthetic observer. It models how eyes and head move while a person looks around in a panorama,
+ * and what a headset's tracker measures. Every number follows from the seed.
  *
- * Fixations follow one another over the sphere, joined by saccades on the main sequence; gaze shifts that
- * would turn the eye far in its socket take the head along, and the eye turns back against it. Drift,
- * microsaccades, blinks, and the tracker's noise, bias and drop-outs come on top. */
+ * Fixations follow one another over the sphere, joined by saccades on the main sequence. A saccade that would
+ * turn the eye far in its socket moves the head too, and the eye turns back against it. Drift, microsaccades,
+ * blinks, and the tracker's noise, bias and drop-outs are added. */
 #ifndef FOVEAD_TRACKER_OBSERVER_H
 #define FOVEAD_TRACKER_OBSERVER_H
 
@@ -12,7 +12,7 @@
 enum { TRK_OBSERVER_HZ = 120 };
 
 struct trk_observer {
-    uint64_t random; /* state of the generator */
+    uint64_t random; /* what the next random number is made from */
     uint64_t tick;   /* samples so far */
     uint64_t rate_hz;
     double noise_s2s_deg, bias_rms_deg;

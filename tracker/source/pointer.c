@@ -1,4 +1,4 @@
-/* A pointer as a source: directions that a client sends, in world frame, delivered in the order they came. */
+/* A pointer as a source: world directions that a client sends, delivered in the order in which they came. */
 #include "source/kinds.h"
 
 #include "error.h"

@@ -1,4 +1,4 @@
-/* A recorded log as a source: paced by its own timestamps, at any speed, once or for ever. */
+/* A recorded log as a source: at the pace of its own timestamps or another, once or for ever. */
 #include "source/kinds.h"
 
 #include "error.h"

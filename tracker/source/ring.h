@@ -1,7 +1,7 @@
-/* ring: the samples that wait for a reader, for sources that something else than their reader feeds.
+/* ring: samples that wait for a reader, of sources into which another thread puts them.
  *
- * Holds about a second of a fast source. When the reader is later than that the oldest is dropped, and its
- * sequence number with it: the reader sees the gap. Used under source->lock. */
+ * It holds about a second of a fast source. When the reader is later than that, the oldest sample is dropped,
+ * and its sequence number with it: the reader sees the gap. Used under source->lock. */
 #ifndef FOVEAD_TRACKER_RING_H
 #define FOVEAD_TRACKER_RING_H
 

@@ -1,5 +1,5 @@
-/* What all sources share: what every caller goes through, their clock, and the wait that an interrupt ends.
- */
+/* What all sources share: their clock, the wait that an interrupt ends, and the functions of tracker.h that
+ * take an open source. */
 #include "source/source.h"
 
 #include "system.h"

@@ -1,5 +1,5 @@
-/* Eye trackers behind a vendor's own USB interface, through libusb. So far that of the PlayStation VR2. What
- * makes one is data: a row of the table below, and the layout of its packets. */
+/* Eye trackers with a vendor's own USB interface, through libusb. So far there is one, the PlayStation VR2.
+ * It is described by a row of the table below and by the layout of its packets. */
 #include "source/device.h"
 
 #include "error.h"
@@ -17,7 +17,7 @@
 enum {
     TRANSFERS = 4,    /* in flight, so that none is missed while one is taken */
     BUFFER = 16384,   /* a multiple of any packet size: less would overflow */
-    MAX_PACKET = 512, /* of which so much is looked at */
+    MAX_PACKET = 512, /* so many bytes of one are parsed */
     MAX_CALIBRATION = 1 << 20,
     MAX_ERRORS = 50,   /* in a row: it is gone, whatever the bus says */
     PATIENCE_MS = 200, /* for an answer to a request */
