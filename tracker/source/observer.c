@@ -41,13 +41,18 @@ static const double noise_s2s_deg = 0.2, bias_rms_deg = 0.7, bias_time_s = 20;
 /* Resolution of what it reports: a ten-thousandth of a degree would be idle. */
 static const double unit_steps = 1e5, metre_steps = 1e4, scalar_steps = 100;
 
+/* How often something hides the eye, and for how long: one in period_s on average, pause_s apart at least. */
+struct habit {
+    double period_s, pause_s, min_s, max_s;
+};
+
 /* Blinks: 15 a minute, of 100 to 400 ms, at least a second apart. The lid goes down in the first third and up
  * again in the last half; the pupil is hidden while less than half of it is open. */
-static const double blink_period_s = 4, blink_pause_s = 1, blink_min_s = 0.1, blink_max_s = 0.4;
+static const struct habit blinks = {.period_s = 4, .pause_s = 1, .min_s = 0.1, .max_s = 0.4};
 static const double blink_down = 0.3, blink_up = 0.55, hidden_openness = 0.5;
 
 /* Drop-outs: the tracker loses both eyes about six times a minute for 1 to 6 samples. */
-static const double dropout_period_s = 10, dropout_min_s = 0.005, dropout_max_s = 0.05;
+static const struct habit dropouts = {.period_s = 10, .min_s = 0.005, .max_s = 0.05};
 
 static const double pupil_mean_mm = 3.5, pupil_rms_mm = 0.3, pupil_time_s = 5;
 
@@ -269,19 +274,18 @@ static void turn_head(struct trk_observer *o)
 
 static double openness_at(const struct trk_observer *o, double t_s)
 {
-    double u = (t_s - o->blink_start_s) / o->blink_length_s;
+    double u = (t_s - o->blink.start_s) / o->blink.length_s;
     if (u <= 0 || u >= 1) return 1;
     if (u < blink_down) return 1 - u / blink_down;
     return u < blink_up ? 0 : (u - blink_up) / (1 - blink_up);
 }
 
-/* After an event is over, draw when the next one starts, and how long it will be. */
-static void renew(struct trk_observer *o, double t_s, double period_s, double pause_s, double min_s,
-                  double max_s, double *start_s, double *length_s)
+/* When a spell is over, draw when the next one starts, and how long it will be. */
+static void renew(struct trk_observer *o, double t_s, const struct habit *habit, struct trk_spell *spell)
 {
-    if (t_s < *start_s + *length_s) return;
-    *start_s += pause_s + exponential(o, period_s - pause_s);
-    *length_s = between(o, min_s, max_s);
+    if (t_s < spell->start_s + spell->length_s) return;
+    spell->start_s += habit->pause_s + exponential(o, habit->period_s - habit->pause_s);
+    spell->length_s = between(o, habit->min_s, habit->max_s);
 }
 
 /* Rounded to whole steps, of which there are `steps` to the unit. Adding zero turns -0 to 0. */
@@ -349,7 +353,7 @@ void trk_observer_init_with(struct trk_observer *observer, uint64_t seed, uint64
 static bool is_hidden(const struct trk_observer *o, double t_s, double *out_openness)
 {
     *out_openness = 1;
-    if (t_s >= o->dropout_start_s && t_s < o->dropout_start_s + o->dropout_length_s) return true;
+    if (t_s >= o->dropout.start_s && t_s < o->dropout.start_s + o->dropout.length_s) return true;
     *out_openness = openness_at(o, t_s);
     return *out_openness < hidden_openness;
 }
@@ -384,10 +388,8 @@ void trk_observer_next(struct trk_observer *o, struct trk_sample *out_sample)
     }
     if (!o->is_saccade) drift(o);
     if (tick > 0) turn_head(o);
-    renew(o, t_s, blink_period_s, blink_pause_s, blink_min_s, blink_max_s, &o->blink_start_s,
-          &o->blink_length_s);
-    renew(o, t_s, dropout_period_s, 0, dropout_min_s, dropout_max_s, &o->dropout_start_s,
-          &o->dropout_length_s);
+    renew(o, t_s, &blinks, &o->blink);
+    renew(o, t_s, &dropouts, &o->dropout);
     for (int i = 0; i < 2; i++)
         o->bias_deg[i] = wander(o, o->bias_deg[i], o->bias_rms_deg * M_SQRT1_2, bias_time_s);
     o->pupil_mm = pupil_mean_mm + wander(o, o->pupil_mm - pupil_mean_mm, pupil_rms_mm, pupil_time_s);

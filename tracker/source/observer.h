@@ -11,6 +11,11 @@
 
 enum { TRK_OBSERVER_HZ = 120 };
 
+/* A time in which the tracker sees no eye. */
+struct trk_spell {
+    double start_s, length_s;
+};
+
 struct trk_observer {
     uint64_t random; /* what the next random number is made from */
     uint64_t tick;   /* samples so far */
@@ -30,8 +35,7 @@ struct trk_observer {
     /* Head: yaw to the left, pitch upwards, each a critically damped second-order system. */
     double head_deg[2], head_speed[2], head_target_deg[2];
 
-    double blink_start_s, blink_length_s;
-    double dropout_start_s, dropout_length_s;
+    struct trk_spell blink, dropout;
     double bias_deg[2]; /* of the calibration */
     double pupil_mm;
 };
