@@ -1,4 +1,4 @@
-/* What the picture is rendered for: the source's samples, and what the attention makes of them. */
+/* The gaze source that is in use, and the aim that follows from its samples. */
 #include <errno.h>
 #include <math.h>
 #include <pthread.h>
@@ -17,10 +17,10 @@
 /* Samples kept for clients: two seconds at 120 Hz, a quarter at a kilohertz. */
 enum { KEPT = 256 };
 
-/* How long one wait for a sample lasts, so that silence is noticed, and stopping never hangs on it. */
+/* How long one wait for a sample lasts: silence is noticed this soon, and stopping waits no longer. */
 static const uint64_t PATIENCE_NS = 50000000;
 
-/* Beyond a degree from where it is aimed, a batch is not worth its end. */
+/* A batch that is aimed more than a degree off the gaze is not worth finishing. */
 static const float STALE_COSINE = 0.99985f;
 
 struct dmn_gaze {
@@ -29,7 +29,7 @@ struct dmn_gaze {
     pthread_t thread;
     bool started;
     atomic_bool stop;
-    atomic_bool stale; /* the gaze is elsewhere than what the painter's batch is aimed by */
+    atomic_bool stale; /* the gaze has left the aim of the painter's batch */
     void (*wake)(void *context);
     void *context;
     struct dmn_recording recording;
@@ -39,14 +39,15 @@ struct dmn_gaze {
     struct trk_aim decision; /* the last */
     uint64_t decided_ns;     /* when that was */
     struct rnd_aim aim;
-    float taken[3];    /* the gaze that the painter's batch is aimed by */
+    float taken[3];    /* the direction that the painter's batch is aimed at */
     float measured[3]; /* the last gaze, and whether the newest sample has one */
     bool has_gaze;
     bool frozen, ended, has_view;
     float view[4], view_fov[2];
     uint64_t samples, valid;
     struct trk_status status;
-    bool has_rotation, recentred; /* there is one of an earlier day, for eye trackers; it is in use */
+    bool has_rotation; /* one was kept at an earlier start, for eye trackers */
+    bool recentred;    /* a device was seen, so that the rotation is in use if there is one */
     float rotation[4];
     uint64_t count;                    /* samples and decisions for clients so far: */
     struct dmn_gaze_sample kept[KEPT]; /* number n is at n % KEPT */
@@ -96,7 +97,7 @@ static bool open_source(struct dmn_gaze *gaze, const struct dmn_options *options
         return false;
     }
     trk_get_status(gaze->source, &gaze->status);
-    /* What was made for a headset that had slipped is not for recordings. */
+    /* The rotation corrects a headset that has slipped. It is not for recorded logs. */
     gaze->has_rotation = kind->is_device && !options->virtual_clock && dmn_state_load(gaze->rotation);
     return true;
 }
@@ -142,8 +143,8 @@ void dmn_gaze_close(struct dmn_gaze *gaze)
 
 /* --- decisions: with the lock held ---------------------------------------------------------------------- */
 
-/* The viewport is where the head is, or where the eye looks as long as the head is unknown. It stays while a
- * lid is down or no eye is seen. */
+/* The viewport is where the head points, or, while the head pose is unknown, where the eyes look. It stays
+ * while a lid is down or no eye is seen. */
 static void take_view(struct dmn_gaze *gaze, const struct trk_sample *sample)
 {
     if (gaze->frozen) return;
@@ -173,7 +174,7 @@ static void keep(struct dmn_gaze *gaze, const struct trk_sample *sample_or_null)
     gaze->kept[++gaze->count % KEPT] = next;
 }
 
-/* True if there is something that clients should hear of. */
+/* True if clients should be told. */
 static bool decide(struct dmn_gaze *gaze, const struct trk_sample *sample_or_null, uint64_t now_ns)
 {
     struct trk_aim before = gaze->decision, *now = &gaze->decision;
@@ -186,7 +187,7 @@ static bool decide(struct dmn_gaze *gaze, const struct trk_sample *sample_or_nul
         if (!gaze->virtual_clock && glm_vec3_dot(gaze->aim.gaze, gaze->taken) < STALE_COSINE)
             atomic_store_explicit(&gaze->stale, true, memory_order_relaxed);
     }
-    /* A sample that leaves the aim where it is has aimed all the same; while it is frozen, none does. */
+    /* The aim answers a sample even if the sample does not move it; a frozen aim answers none. */
     if (now->moved || (sample_or_null && !gaze->frozen)) {
         gaze->aim.sequence = now->sequence;
         gaze->aim.time_ns = sample_or_null ? sample_or_null->arrival_ns : now_ns;
@@ -207,7 +208,7 @@ static void accept(struct dmn_gaze *gaze, const struct trk_sample *sample, uint6
     take_view(gaze, sample);
 }
 
-/* What the source has become: auto takes up eye trackers, and those come and go. */
+/* Follow changes of the source: auto takes up eye trackers, and eye trackers come and go. */
 static void note_status(struct dmn_gaze *gaze, const struct trk_status *status)
 {
     static const float none[4] = {0, 0, 0, 1};
@@ -222,7 +223,7 @@ static void note_status(struct dmn_gaze *gaze, const struct trk_status *status)
 
 /* --- the source ----------------------------------------------------------------------------------------- */
 
-/* Read once. True while there may be more; *out_news if clients should hear of something. */
+/* Read once. True while more may come. *out_news: clients should be told. */
 static bool read_one(struct dmn_gaze *gaze, uint64_t until_ns, enum trk_result *out_result, bool *out_news)
 {
     char error[TRK_ERROR_SIZE];
@@ -235,7 +236,7 @@ static bool read_one(struct dmn_gaze *gaze, uint64_t until_ns, enum trk_result *
     trk_get_status(gaze->source, &status);
     now_ns = !gaze->virtual_clock ? dmn_now_ns() : *out_result == TRK_SAMPLE ? sample.arrival_ns : until_ns;
     pthread_mutex_lock(&gaze->lock);
-    /* When a recording has ended, gaze is still where that left it, until a tracker says otherwise. */
+    /* When a replay has ended, the aim stays where the replay left it, until a tracker sees an eye. */
     if (*out_result == TRK_SAMPLE || (*out_result == TRK_TIMEOUT && !gaze->ended)) note_status(gaze, &status);
     more = *out_result == TRK_SAMPLE || *out_result == TRK_TIMEOUT ||
            (*out_result == TRK_END && gaze->waits_after_end && !gaze->ended);
@@ -243,7 +244,7 @@ static bool read_one(struct dmn_gaze *gaze, uint64_t until_ns, enum trk_result *
     if (*out_result == TRK_SAMPLE)
         accept(gaze, &sample, now_ns);
     else if (*out_result != TRK_TIMEOUT)
-        gaze->ended = true; /* which is no silence: gaze stays where it was */
+        gaze->ended = true; /* an end is no silence: the aim stays where it was */
     else
         *out_news = !gaze->ended && decide(gaze, NULL, now_ns);
     pthread_mutex_unlock(&gaze->lock);
