@@ -88,11 +88,12 @@ static void refused(const char *spec, const char *expected)
 static void rows_say_how_to_write_them(void **state)
 {
     (void)state;
-    refused("?", "unknown gaze source '?', expected one of auto, hid[:PATH], psvr2, replay:FILE, "
-                 "synthetic[:SEED], pointer");
+    char unknown[512] = "unknown gaze source '?', expected one of ";
     for (int i = 0; i < kinds_count; i++) {
         const struct trk_source_kind *row = kinds[i].row;
+        size_t end = strlen(unknown);
         char spec[64];
+        snprintf(unknown + end, sizeof unknown - end, "%s%s", i ? ", " : "", row->usage);
         assert_ptr_equal(trk_source_kind_find(kinds[i].spec), row);
         assert_true(*row->summary && !strchr(row->summary, '\n'));
         snprintf(spec, sizeof spec, "%.50sx", row->name);
@@ -102,6 +103,7 @@ static void rows_say_how_to_write_them(void **state)
         if (!strchr(row->usage, ':')) refused(spec, "which takes no argument");
         if (strcmp(kinds[i].spec, row->name) != 0) refused(row->name, row->usage);
     }
+    refused("?", unknown);
     assert_null(trk_source_kind_find(""));
 }
 
