@@ -35,7 +35,7 @@ struct crossing {
 struct crossings {
     struct rnd_query query; /* comes first: Embree knows nothing else */
     const struct rnd_scene *scene;
-    bool of_eye; /* what is one-sided is not met from its back */
+    bool of_camera; /* what is one-sided is not met from its back */
     uint32_t count;
     struct crossing crossing[MOST_CROSSINGS];
 };
@@ -53,7 +53,7 @@ static void note(const struct RTCFilterFunctionNArguments *args)
     const bool enters = ray->dir_x * hit->Ng_x + ray->dir_y * hit->Ng_y + ray->dir_z * hit->Ng_z < 0.0f;
     args->valid[0] = 0;
     if (to->count == MOST_CROSSINGS) return;
-    if (to->of_eye && material->one_sided && !enters) return;
+    if (to->of_camera && material->one_sided && !enters) return;
     uint32_t i = 0; /* Embree may tell of a triangle twice */
     for (; i < to->count; i++) {
         const struct crossing *c = &to->crossing[i];
@@ -67,11 +67,11 @@ static void note(const struct RTCFilterFunctionNArguments *args)
 }
 
 /* By distance. The array is not cleared: this is called for every hit of a border. */
-static void find(const struct rnd_scene *scene, bool of_eye, struct rnd_v3 origin, struct rnd_v3 direction,
+static void find(const struct rnd_scene *scene, bool of_camera, struct rnd_v3 origin, struct rnd_v3 direction,
                  float distance, struct crossings *to)
 {
     to->scene = scene;
-    to->of_eye = of_eye;
+    to->of_camera = of_camera;
     to->count = 0;
     struct RTCRayHit ray = rnd_ray(origin, direction, 0.0f, distance);
     rnd_embree_intersect1_filtered(scene->border_tree, &to->query, note, &ray);
@@ -127,14 +127,14 @@ rnd_media rnd_media_pass(const struct rnd_scene *scene, rnd_media media, const s
     return behind;
 }
 
-rnd_media rnd_media_of_eye(const struct rnd_scene *scene, const float eye[3])
+rnd_media rnd_media_at(const struct rnd_scene *scene, const float position[3])
 {
     rnd_media entered = 0, media = 0;
     int count = 0;
     struct crossings found;
     if (!scene->border_tree) return 0;
-    find(scene, true, rnd_v3(eye[0], eye[1], eye[2]), rnd_v3_normalize(rnd_v3(0.1f, 1.0f, 0.17f)), INFINITY,
-         &found);
+    find(scene, true, rnd_v3(position[0], position[1], position[2]),
+         rnd_v3_normalize(rnd_v3(0.1f, 1.0f, 0.17f)), INFINITY, &found);
     /* A ray that leaves what it did not enter was in it from the beginning. */
     for (uint32_t i = 0; i < found.count; i++) {
         const struct crossing *c = &found.crossing[i];

@@ -56,7 +56,7 @@ struct rnd_border {
 rnd_media rnd_media_pass(const struct rnd_scene *scene, rnd_media media, const struct rnd_border *border,
                          struct rnd_surface *surface);
 
-/* The media that an eye is in. One-sided borders do not exist for an eye behind them. */
-rnd_media rnd_media_of_eye(const struct rnd_scene *scene, const float eye[3]);
+/* The media that a camera at that position is in. One-sided borders do not exist for a camera behind them. */
+rnd_media rnd_media_at(const struct rnd_scene *scene, const float position[3]);
 
 #endif

@@ -10,10 +10,12 @@
  * good would keep what it has found, and lack what it has not found yet: the mean of all such places would be
  * too dark where light is rare.
  */
-#include "math/uv.h"
-#include "render.h"
+#include "path/place.h"
+#include "film/film.h"
 #include "math/sampler.h"
+#include "math/uv.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -54,35 +56,35 @@ static void pixels_of(const struct rnd_film *film, uint32_t count, const float *
 
 /* How many cells along a side: so many, a power of two, that where samples are densest, at the gaze, a cell
  * has a pixel for each of its paths. More would trace many paths in few places. */
-static float grid_of(const struct rnd_render *render, const struct rnd_aim *aim)
+static float grid_of(const struct rnd_places *places, const struct rnd_aim *aim)
 {
-    const float pixel = 2.0f * (float)M_PI / (float)render->film.width;
-    const float share = render->distribution->density(aim, aim->gaze) * pixel * pixel;
+    const float pixel = 2.0f * (float)M_PI / (float)places->film->width;
+    const float share = places->distribution->density(aim, aim->gaze) * pixel * pixel;
     float grid = 1.0f;
     while (grid < MOST_CELLS && 4.0f * grid * grid * CELL * share <= 1.0f) grid *= 2.0f;
     return grid;
 }
 
 /* Lower corner of a cell. */
-static void corner_of(const struct rnd_render *render, uint32_t cell, float out[2])
+static void corner_of(const struct rnd_places *places, uint32_t cell, float out[2])
 {
     float u[2];
-    rnd_pair(render->seed, 0, cell, u);
-    for (int c = 0; c < 2; c++) out[c] = floorf(u[c] * render->grid) / render->grid;
+    rnd_pair(places->seed, 0, cell, u);
+    for (int c = 0; c < 2; c++) out[c] = floorf(u[c] * places->grid) / places->grid;
 }
 
 /* Positions of the paths of the next cells, first to end of them, paths in all. */
-static void draw(struct rnd_render *render, const struct rnd_aim *aim, uint32_t first, uint32_t end,
+static void draw(struct rnd_places *places, const struct rnd_aim *aim, uint32_t first, uint32_t end,
                  uint32_t paths)
 {
-    const float quarter = 0.25f / render->grid;
+    const float quarter = 0.25f / places->grid;
     float u[2 * SOME], direction[3 * SOME];
     for (uint32_t c = first; c < end; c += SOME / CELL) {
         const uint32_t cells = end - c < SOME / CELL ? end - c : SOME / CELL;
         for (uint32_t k = 0; k < cells; k++) {
-            const uint32_t cell = render->next_cell + c + k, seed = render->seed + 3;
+            const uint32_t cell = places->next_cell + c + k, seed = places->seed + 3;
             float corner[2], *to = &u[2 * CELL * k];
-            corner_of(render, cell, corner);
+            corner_of(places, cell, corner);
 #pragma GCC ivdep
             for (uint32_t within = 0; within < CELL; within++) {
                 const uint32_t h = rnd_hash2(seed, cell * CELL + within);
@@ -93,57 +95,58 @@ static void draw(struct rnd_render *render, const struct rnd_aim *aim, uint32_t 
             }
         }
         const uint32_t i = c * CELL, n = paths - i < cells * CELL ? paths - i : cells * CELL;
-        render->distribution->sample(aim, n, u, direction);
-        pixels_of(&render->film, n, direction, &render->pixel[i]);
+        places->distribution->sample(aim, n, u, direction);
+        pixels_of(places->film, n, direction, &places->pixel[i]);
     }
 }
 
 /* A random pixel of each cell of the outline. */
-static void outline(struct rnd_render *render, uint32_t paths)
+static void outline(struct rnd_places *places, uint32_t paths)
 {
-    const uint32_t across = (uint32_t)render->film.width / RND_OUTLINE, tiles = (uint32_t)render->film.across;
+    const uint32_t across = (uint32_t)places->film->width / RND_OUTLINE,
+                   tiles = (uint32_t)places->film->across;
     for (uint32_t i = 0; i < paths; i++) {
-        const uint32_t h = rnd_hash2(render->seed + 1, i);
-        render->pixel[i] = pixel_index(tiles, i % across * RND_OUTLINE + h % RND_OUTLINE,
+        const uint32_t h = rnd_hash2(places->seed + 1, i);
+        places->pixel[i] = pixel_index(tiles, i % across * RND_OUTLINE + h % RND_OUTLINE,
                                        i / across * RND_OUTLINE + h / RND_OUTLINE % RND_OUTLINE);
     }
 }
 
 /* Counting sort by tile, paths of a tile in the order in which they were drawn; runs of those that have some.
  */
-static void sort(struct rnd_render *render, uint32_t paths)
+static void sort(struct rnd_places *places, uint32_t paths)
 {
-    const uint32_t tiles = (uint32_t)(render->film.across * render->film.down);
-    uint32_t *start = render->start;
+    const uint32_t tiles = (uint32_t)(places->film->across * places->film->down);
+    uint32_t *start = places->start;
     memset(start, 0, (tiles + 1) * sizeof *start);
     for (uint32_t i = 0; i < paths; i++) {
-        const uint32_t t = render->pixel[i] / RND_TILE_PIXELS;
+        const uint32_t t = places->pixel[i] / RND_TILE_PIXELS;
         start[t]++;
-        __builtin_prefetch(&render->film.pixels[t].drawn[render->pixel[i] % RND_TILE_PIXELS], 1);
+        __builtin_prefetch(&places->film->pixels[t].drawn[places->pixel[i] % RND_TILE_PIXELS], 1);
     }
-    render->runs = 0;
+    places->runs = 0;
     for (uint32_t t = 0, sum = 0; t < tiles; t++) {
         const uint32_t n = start[t];
         if (n == 0) continue;
-        struct rnd_run *run = &render->run[render->runs];
+        struct rnd_run *run = &places->run[places->runs];
         run->tile = t;
         run->first = sum;
         run->end = start[t] = sum + n;
-        for (uint32_t i = sum; i < sum + n; i++) render->run_of[i] = render->runs;
+        for (uint32_t i = sum; i < sum + n; i++) places->run_of[i] = places->runs;
         start[t] = sum;
         sum += n;
-        render->runs++;
+        places->runs++;
     }
     for (uint32_t i = 0; i < paths; i++) {
-        const uint32_t t = render->pixel[i] / RND_TILE_PIXELS, pixel = render->pixel[i] % RND_TILE_PIXELS;
-        struct rnd_sample *sample = &render->sample[start[t]++];
+        const uint32_t t = places->pixel[i] / RND_TILE_PIXELS, pixel = places->pixel[i] % RND_TILE_PIXELS;
+        struct rnd_sample *sample = &places->sample[start[t]++];
         sample->pixel = pixel;
-        sample->number = rnd_film_draw(&render->film.tile[t], pixel);
+        sample->number = rnd_film_draw(&places->film->tile[t], pixel);
     }
 }
 
 struct placing {
-    struct rnd_render *render;
+    struct rnd_places *places;
     const struct rnd_aim *aim;
     uint32_t paths;
 };
@@ -151,19 +154,62 @@ struct placing {
 static void draw_share(void *context, uint32_t first, uint32_t end)
 {
     const struct placing *p = context;
-    draw(p->render, p->aim, first, end, p->paths);
+    draw(p->places, p->aim, first, end, p->paths);
 }
 
-void rnd_place(struct rnd_render *render, const struct rnd_aim *aim, uint32_t paths, bool drawn)
+void rnd_places_draw(struct rnd_places *places, struct rnd_pool *pool, const struct rnd_aim *aim,
+                     uint32_t paths)
 {
-    struct placing placing = {.render = render, .aim = aim, .paths = paths};
-    if (drawn) {
-        const uint32_t cells = (paths + CELL - 1) / CELL;
-        render->grid = grid_of(render, aim);
-        rnd_pool_share(render->pool, cells, SOME / CELL, draw_share, &placing);
-        render->next_cell += cells;
-    } else {
-        outline(render, paths);
-    }
-    sort(render, paths);
+    struct placing placing = {.places = places, .aim = aim, .paths = paths};
+    const uint32_t cells = (paths + CELL - 1) / CELL;
+    places->grid = grid_of(places, aim);
+    rnd_pool_share(pool, cells, SOME / CELL, draw_share, &placing);
+    places->next_cell += cells;
+    sort(places, paths);
+}
+
+uint32_t rnd_places_of_outline(const struct rnd_film *film)
+{
+    return (uint32_t)(film->width / RND_OUTLINE) * (uint32_t)(film->height / RND_OUTLINE);
+}
+
+void rnd_places_outline(struct rnd_places *places, uint32_t paths)
+{
+    outline(places, paths);
+    sort(places, paths);
+}
+
+bool rnd_places_init(struct rnd_places *places, const struct rnd_film *film,
+                     const struct rnd_distribution *distribution, uint32_t seed)
+{
+    const size_t tiles = (size_t)film->across * (size_t)film->down;
+    *places = (struct rnd_places){.film = film, .distribution = distribution, .seed = seed};
+    places->start = malloc((tiles + 1) * sizeof *places->start);
+    return places->start;
+}
+
+void rnd_places_finish(struct rnd_places *places)
+{
+    free(places->pixel);
+    free(places->sample);
+    free(places->run_of);
+    free(places->run);
+    free(places->start);
+}
+
+bool rnd_places_reserve(struct rnd_places *places, uint32_t paths)
+{
+    if (paths <= places->capacity) return true;
+    const size_t tiles = (size_t)places->film->across * (size_t)places->film->down;
+    free(places->pixel);
+    free(places->sample);
+    free(places->run_of);
+    free(places->run);
+    places->pixel = malloc(paths * sizeof *places->pixel);
+    places->sample = malloc(paths * sizeof *places->sample);
+    places->run_of = malloc(paths * sizeof *places->run_of);
+    places->run = malloc((tiles < paths ? tiles : paths) * sizeof *places->run);
+    const bool ok = places->pixel && places->sample && places->run_of && places->run;
+    places->capacity = ok ? paths : 0;
+    return ok;
 }

@@ -1,6 +1,6 @@
 /* The rays of a wave: they go to Embree together, in the arrays that they are in.
  *
- * What is one-sided is not there for an eye that looks at its back: glTF's back-face culling (glTF 2.0,
+ * What is one-sided is not there for a camera that sees its back: glTF's back-face culling (glTF 2.0,
  * section 3.9.6), which speaks of what is seen. For light every surface has two sides, or walls that are
  * culled for a view into a room would let the sky in. */
 #include "path/rays.h"
@@ -30,7 +30,7 @@ void rnd_intersect(struct rnd_tracer *tracer, struct rnd_paths *paths, uint32_t 
 
 /* --- backs --- */
 
-struct eye_context {
+struct camera_context {
     struct rnd_query query; /* comes first: Embree knows nothing else */
     const struct rnd_scene *scene;
 };
@@ -47,7 +47,7 @@ static const struct rnd_material *material_of(const struct rnd_scene *scene, uin
  */
 static void pass_backs(const struct RTCFilterFunctionNArguments *args)
 {
-    const struct eye_context *context = (const struct eye_context *)args->context;
+    const struct camera_context *context = (const struct camera_context *)args->context;
     const struct RTCRay *ray = (const struct RTCRay *)args->ray;
     const struct RTCHit *hit = (const struct RTCHit *)args->hit;
     const float along = ray->dir_x * hit->Ng_x + ray->dir_y * hit->Ng_y + ray->dir_z * hit->Ng_z;
@@ -72,7 +72,7 @@ void rnd_pass_backs(struct rnd_tracer *tracer, const struct rnd_paths *paths, ui
     struct rnd_hits *hits = &tracer->hits;
     for (uint32_t i = 0; i < count; i++) {
         if (!is_back(tracer, paths, i)) continue;
-        struct eye_context context = {.scene = tracer->scene};
+        struct camera_context context = {.scene = tracer->scene};
         struct RTCRayHit again =
             rnd_ray(rnd_get(&paths->origin, i), rnd_get(&paths->direction, i), 0.0f, INFINITY);
         tracer->rays++;

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-void ISA(rnd_start)(struct rnd_tracer *tracer, const float eye[3], uint32_t count)
+void ISA(rnd_start)(struct rnd_tracer *tracer, const struct rnd_camera *camera, uint32_t count)
 {
     struct rnd_paths *paths = &tracer->paths[0];
     struct rnd_wave_io *io = tracer->io;
@@ -23,11 +23,12 @@ void ISA(rnd_start)(struct rnd_tracer *tracer, const float eye[3], uint32_t coun
         paths->index[i] = index;
     }
     if (tracer->scene->clear_tree) memset(paths->stood_for, 0, count * sizeof *paths->stood_for);
-    for (uint32_t i = 0; rnd_has_media(tracer) && i < count; i++) paths->media[i] = tracer->eye_media;
-    const float index = tracer->scene->medium[rnd_media_innermost(tracer->eye_media)].ior,
+    for (uint32_t i = 0; rnd_has_media(tracer) && i < count; i++) paths->media[i] = tracer->camera_media;
+    const float *at = camera->position;
+    const float index = tracer->scene->medium[rnd_media_innermost(tracer->camera_media)].ior,
                 whole = 1.0f / (index * index);
     for (uint32_t i = 0; i < count; i++) {
-        rnd_put(&paths->origin, i, rnd_v3(eye[0], eye[1], eye[2]));
+        rnd_put(&paths->origin, i, rnd_v3(at[0], at[1], at[2]));
         rnd_put(&paths->throughput, i, rnd_v3(whole, whole, whole));
         paths->pdf[i] = paths->width[i] = 0.0f;
         paths->id[i] = i;

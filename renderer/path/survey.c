@@ -4,15 +4,15 @@
  * A shading point asks one group for light. The noise is least when each is asked as often as the root mean
  * square of what it then gives (Veach 1997, section 9.2), and that is not its power: most of a sky is hidden
  * from a room. The same holds for the regions of the environment, which a room sees through its windows, and
- * for the lamps of a house, most of which burn in other rooms. A few thousand paths from the eye ask all
+ * for the lamps of a house, most of which burn in other rooms. A few thousand paths from the camera ask all
  * groups at every point and see. What they find changes the noise and never the mean. */
+#include "path/survey.h"
 #include "path/clear.h"
 #include "light/env.h"
 #include "light/light.h"
 #include "path/ray.h"
 #include "material/bsdf.h"
 #include "material/point.h"
-#include "render.h"
 #include "math/sampler.h"
 
 #include <stdatomic.h>
@@ -38,7 +38,7 @@ struct step {
 
 struct survey {
     const struct rnd_scene *scene;
-    const float *eye;
+    const struct rnd_camera *camera;
     struct rnd_light_choice choice;   /* by which they are asked */
     struct step step[PATHS][BOUNCES]; /* summed in their order, by one */
 };
@@ -101,7 +101,7 @@ static void walk(const struct survey *survey, uint32_t index, struct step step[B
     const struct rnd_env *env = scene->lights.env;
     float u[4], pdf = 0.0f;
     rnd_pair(SEED, 0, index, u);
-    vec3s origin = rnd_vec(survey->eye), direction, throughput = glms_vec3_one();
+    vec3s origin = rnd_vec(survey->camera->position), direction, throughput = glms_vec3_one();
     rnd_direction(2.0f * (float)M_PI * u[0], asinf(2.0f * u[1] - 1.0f), direction.raw);
     for (uint32_t depth = 0; depth <= BOUNCES; depth++) {
         struct RTCRayHit hit = ray(origin, direction, INFINITY);
@@ -260,10 +260,10 @@ static void choose_groups(const struct survey *survey, const float *factor[RND_L
     }
 }
 
-void rnd_survey_lights(const struct rnd_scene *scene, const float eye[3], struct rnd_pool *pool,
+void rnd_survey_lights(const struct rnd_scene *scene, const struct rnd_camera *camera, struct rnd_pool *pool,
                        struct rnd_light_choice *out)
 {
-    struct survey survey = {.scene = scene, .eye = eye};
+    struct survey survey = {.scene = scene, .camera = camera};
     float lamps[RND_LIGHT_GROUPS][RND_LIGHT_PARTS];
     const float *factor[RND_LIGHT_GROUPS] = {0};
     rnd_light_choose_evenly(&scene->lights, out);

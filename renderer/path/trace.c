@@ -12,7 +12,7 @@
 
 /* The stages, once for every instruction set. */
 struct stages {
-    void (*start)(struct rnd_tracer *, const float[3], uint32_t);
+    void (*start)(struct rnd_tracer *, const struct rnd_camera *, uint32_t);
     uint32_t (*surface)(struct rnd_tracer *, uint32_t);
     void (*emission)(struct rnd_tracer *, uint32_t);
     void (*choose_lights)(struct rnd_tracer *, uint32_t);
@@ -102,15 +102,15 @@ static void book(struct rnd_tracer *tracer, enum rnd_stage stage, uint64_t *last
     *last_ns = now;
 }
 
-uint64_t rnd_trace(struct rnd_tracer *tracer, const float eye[3], rnd_media media, struct rnd_wave_io *io,
-                   uint32_t count)
+uint64_t rnd_trace(struct rnd_tracer *tracer, const struct rnd_camera *camera, rnd_media media,
+                   struct rnd_wave_io *io, uint32_t count)
 {
     const struct stages *stages = tracer->stages;
     const uint64_t rays = tracer->rays;
     uint64_t last_ns = now_ns();
     tracer->io = io;
-    tracer->eye_media = media;
-    stages->start(tracer, eye, count);
+    tracer->camera_media = media;
+    stages->start(tracer, camera, count);
     for (tracer->depth = 0; count > 0; tracer->depth++) {
         rnd_intersect(tracer, &tracer->paths[0], count, tracer->depth == 0);
         if (tracer->depth == 0 && tracer->scene->one_sided) rnd_pass_backs(tracer, &tracer->paths[0], count);

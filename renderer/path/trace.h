@@ -1,4 +1,5 @@
-/* Paths from the eye: unidirectional, next-event estimation, multiple importance sampling, Russian roulette.
+/* Paths from the camera: unidirectional, next-event estimation, multiple importance sampling, Russian
+ * roulette.
  *
  * Paths are traced in waves: all of a wave take a step together, so that rays go to Embree in
  * packets and streams, and what is done with all of them is done by vector instructions. What a path brings
@@ -12,6 +13,7 @@
 #include "path/media.h"
 #include "path/wave_io.h"
 #include "scene/scene.h"
+#include "space/camera.h"
 
 struct rnd_tracer; /* one thread's memory for waves */
 
@@ -30,10 +32,10 @@ void rnd_tracer_tape(struct rnd_tracer *tracer, struct rnd_tape *tape);
 void rnd_tracer_reset(struct rnd_tracer *tracer);
 void rnd_tracer_stages(const struct rnd_tracer *tracer, struct rnd_batch *batch);
 
-/* Trace count paths (at most RND_WAVE) from the eye, which is in those media (path/media.h), to their ends.
+/* Trace count paths (at most RND_WAVE) from the camera, which is in those media, to their ends.
  * Paths next to each other in the wave should point in similar directions: packets are formed in that order.
  * Returns the number of rays. */
-uint64_t rnd_trace(struct rnd_tracer *tracer, const float eye[3], rnd_media media, struct rnd_wave_io *io,
-                   uint32_t count);
+uint64_t rnd_trace(struct rnd_tracer *tracer, const struct rnd_camera *camera, rnd_media media,
+                   struct rnd_wave_io *io, uint32_t count);
 
 #endif

@@ -140,7 +140,7 @@ struct rnd_tracer {
 
     /* of the wave under way */
     struct rnd_wave_io *io;
-    rnd_media eye_media; /* that the eye is in */
+    rnd_media camera_media; /* that the camera is in */
     int depth;
     struct rnd_paths paths[2]; /* paths of the step, and where those that go on are put */
     struct rnd_hits hits;
@@ -228,8 +228,8 @@ RND_INLINE void rnd_dither(uint32_t seed, uint32_t index, uint32_t which, float 
     *out_s = (float)(int32_t)(h >> 16) * 0x1p-16f;
 }
 
-/* Limit of the luminance of light that arrives at a surface of the path; the first surface that the eye sees
- * is 0. Only indirect light is clamped, however it was found. */
+/* Limit of the luminance of light that arrives at a surface of the path; the first surface that the camera
+ * sees is 0. Only indirect light is clamped, however it was found. */
 RND_INLINE float rnd_firefly_limit(const struct rnd_tracer *tracer, int surface)
 {
     return surface > 0 ? tracer->firefly : INFINITY;

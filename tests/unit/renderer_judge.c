@@ -1,8 +1,9 @@
 /* What is said of a film, and shown of it: films whose paths are made up, so that what is true is known. */
 #include "renderer_files.h"
 
-#include "fill.h"
-#include "film.h"
+#include "film/converge.h"
+#include "film/film.h"
+#include "reconstruct/pull_push.h"
 #include "render.h"
 #include "math/sphere.h"
 
@@ -234,7 +235,7 @@ static void area_counts(void **state)
 
 static void show(const struct rnd_sums *sums, float *out, double *out_mean)
 {
-    assert_true(rnd_fill(sums, out));
+    assert_true(rnd_pull_push(sums, out));
     *out_mean = 0;
     for (int i = 0; i < 3 * COUNT; i++) {
         assert_true(isfinite(out[i]) && out[i] >= 0.0f);
@@ -254,7 +255,7 @@ static void shown(void **state)
     static float rgb[COUNT * 3];
     double mean;
     memset(&sums, 0, sizeof sums);
-    assert_false(rnd_fill(&sums, rgb));
+    assert_false(rnd_pull_push(&sums, rgb));
     set(&sums, 700, 3, 1, 1); /* one path shows everywhere */
     show(&sums, rgb, &mean);
     for (int i = 0; i < COUNT; i++)

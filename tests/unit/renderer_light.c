@@ -1,6 +1,6 @@
 /* Lights by themselves: what is drawn of them follows the density stated, which integrates to one; a
  * sphere of light gives what its closed form says; and points ask the lights that reach them. */
-#include "render.h"
+#include "path/survey.h"
 #include "renderer_files.h"
 #include "light/area.h"
 #include "light/env.h"
@@ -189,8 +189,9 @@ static void survey(void **state)
     for (int threads = 1; threads <= 3; threads++) {
         struct rnd_pool *pool = rnd_pool_create(threads);
         assert_non_null(pool);
-        rnd_survey_lights(scene, in, pool, &choice[0][threads - 1]);
-        rnd_survey_lights(scene, out, pool, &choice[1][threads - 1]);
+        rnd_survey_lights(scene, &(struct rnd_camera){{in[0], in[1], in[2]}}, pool, &choice[0][threads - 1]);
+        rnd_survey_lights(scene, &(struct rnd_camera){{out[0], out[1], out[2]}}, pool,
+                          &choice[1][threads - 1]);
         rnd_pool_destroy(pool);
     }
     for (int place = 0; place < 2; place++) {
@@ -221,7 +222,7 @@ static void window(void **state)
     for (int threads = 1; threads <= 3; threads++) {
         struct rnd_pool *pool = rnd_pool_create(threads);
         assert_non_null(pool);
-        rnd_survey_lights(scene, (float[]){0, 1, 0}, pool, &choice[threads - 1]);
+        rnd_survey_lights(scene, &(struct rnd_camera){{0, 1, 0}}, pool, &choice[threads - 1]);
         rnd_pool_destroy(pool);
         assert_memory_equal(&choice[0].env, &choice[threads - 1].env, sizeof choice[0].env);
     }
@@ -244,7 +245,7 @@ static double below(const char *path, const float eye[3], int group, float *out_
     for (int threads = 1; threads <= 2; threads++) {
         struct rnd_pool *pool = rnd_pool_create(threads);
         assert_non_null(pool);
-        rnd_survey_lights(scene, eye, pool, &choice[threads - 1]);
+        rnd_survey_lights(scene, &(struct rnd_camera){{eye[0], eye[1], eye[2]}}, pool, &choice[threads - 1]);
         rnd_pool_destroy(pool);
     }
     const struct rnd_alias *alias = choice[0].lamps[group];

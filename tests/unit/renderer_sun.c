@@ -36,8 +36,8 @@ static double arriving(const struct rnd_scene *scene, double azimuth_deg, double
     const double x = (0.5 + azimuth_deg / 360.0) * WIDTH, y = (0.5 - elevation_deg / 180.0) * HEIGHT,
                  down = half / 180.0 * HEIGHT + 1.0, across = down / cos(elevation_deg * M_PI / 180.0);
     double sum = 0.0;
-    float eye[3];
-    for (int k = 0; k < 3; k++) eye[k] = (float)(scene->info.eye[k] - scene->origin[k]);
+    struct rnd_camera camera;
+    for (int k = 0; k < 3; k++) camera.position[k] = (float)(scene->info.eye[k] - scene->origin[k]);
     uint32_t count = 0;
     for (uint32_t row = (uint32_t)(y - down); row <= (uint32_t)(y + down); row++) {
         const double top = cos(M_PI * row / HEIGHT), bottom = cos(M_PI * (row + 1) / HEIGHT),
@@ -49,7 +49,7 @@ static double arriving(const struct rnd_scene *scene, double azimuth_deg, double
                     row == (uint32_t)(y + down) && column == (uint32_t)(x + across) && k == paths - 1;
                 if (++count < RND_WAVE && !last && !(k == paths - 1 && column == (uint32_t)(x + across)))
                     continue;
-                rnd_trace(tracer, eye, 0, &io, count);
+                rnd_trace(tracer, &camera, 0, &io, count);
                 for (uint32_t i = 0; i < count; i++) sum += (double)io.radiance[0][i] * angle / paths;
                 count = 0;
             }

@@ -8,7 +8,7 @@
  * to what it has above the mean. So single bright hits are spread over the square that they stand for, and
  * never over more light than there is.
  */
-#include "fill.h"
+#include "reconstruct/pull_push.h"
 
 #include <math.h>
 #include <string.h>
@@ -91,7 +91,7 @@ static void parts_of(struct node *finer, int side, int i, struct node *out[4])
     out[3] = first + 2 * side + 1;
 }
 
-bool rnd_fill(const struct rnd_sums *sums, float *out_rgb)
+bool rnd_pull_push(const struct rnd_sums *sums, float *out_rgb)
 {
     struct node tree[RND_TILE * RND_TILE * 4 / 3 + 1], *level[TOP + 1] = {tree}, *part[4];
     bool mixed = false;

@@ -1,8 +1,7 @@
 /* Judging tiles: how wrong a tile still is, and whether an eye would see it. */
-#include "film.h"
-#include "math/uv.h"
-#include "render.h"
+#include "film/converge.h"
 #include "math/sphere.h"
+#include "math/uv.h"
 
 #include <stdlib.h>
 
@@ -195,11 +194,11 @@ float rnd_tile_cosine(const struct rnd_film *film, int x, int y, const float gaz
     return fmaxf(glm_vec2_dot(lowest, at), glm_vec2_dot(highest, at));
 }
 
-bool rnd_tile_settled(const struct rnd_render *render, const struct rnd_tile *tile, int x, int y,
+bool rnd_film_settled(const struct rnd_film *film, const struct rnd_tile *tile, int x, int y,
                       const float gaze[3])
 {
     if (tile->unvisited > 0 || tile->samples == 0 || isinf(tile->sure_error)) return false;
-    const float cosine = rnd_tile_cosine(&render->film, x, y, gaze);
+    const float cosine = rnd_tile_cosine(film, x, y, gaze);
     const float eccentricity_deg = glm_deg(acosf(fmaxf(-1.0f, fminf(1.0f, cosine))));
-    return tile->sure_error <= rnd_visible_error(eccentricity_deg, (float)render->film.width / 360.0f);
+    return tile->sure_error <= rnd_visible_error(eccentricity_deg, (float)film->width / 360.0f);
 }

@@ -8,8 +8,8 @@
  * Pixels are most of a film and lie in memory of their own, which is not touched before a tile has more than
  * a few paths: fresh memory is slow, and the first coarse picture must not wait for all of it.
  */
-#ifndef FOVEAD_RENDERER_FILM_H
-#define FOVEAD_RENDERER_FILM_H
+#ifndef FOVEAD_RENDERER_TILE_H
+#define FOVEAD_RENDERER_TILE_H
 
 #include "renderer.h"
 
@@ -96,32 +96,5 @@ struct rnd_film {
     uint64_t paths, next_survey;
     struct rnd_weighed *weighed; /* room for one for each tile */
 };
-
-bool rnd_film_init(struct rnd_film *film, int width, int height, float error_bar);
-void rnd_film_finish(struct rnd_film *film);
-/* Take all paths out of a tile: it is as at first, but of that generation. */
-void rnd_film_empty(const struct rnd_film *film, struct rnd_film_tile *tile, uint32_t generation);
-
-/* The number of the next path of a pixel; the one after it has the next one. */
-uint32_t rnd_film_draw_listed(struct rnd_film_tile *tile, uint32_t pixel);
-static inline uint32_t rnd_film_draw(struct rnd_film_tile *tile, uint32_t pixel)
-{
-    return tile->drawn > RND_FEW ? tile->pixels->drawn[pixel]++ : rnd_film_draw_listed(tile, pixel);
-}
-
-/* Add samples to a tile; aim and now_ns are what it remembers as its newest batch. */
-void rnd_film_add(const struct rnd_film *film, struct rnd_film_tile *tile, const struct rnd_sample *samples,
-                  uint32_t count, const struct rnd_aim *aim, uint64_t now_ns);
-
-/* converge.c: the tile's error by its half-buffers, and whether it is converged. Call with the lock held,
- * when its paths are in its pixels. */
-void rnd_judge(const struct rnd_film *film, struct rnd_film_tile *tile);
-
-/* converge.c: take the brightness of the picture, and its grain, from the tiles that have been judged. Call
- * between batches. */
-void rnd_film_survey(struct rnd_film *film);
-
-/* converge.c: cosine of the angle between a direction and the nearest point of a tile. */
-float rnd_tile_cosine(const struct rnd_film *film, int x, int y, const float direction[3]);
 
 #endif

@@ -1,0 +1,40 @@
+/* The film: paths are added to its tiles, and it is read as a whole. */
+#ifndef FOVEAD_RENDERER_FILM_H
+#define FOVEAD_RENDERER_FILM_H
+
+#include "film/tile.h"
+
+/* False if memory is short; finish it in any case. */
+bool rnd_film_init(struct rnd_film *film, int width, int height, float error_bar);
+void rnd_film_finish(struct rnd_film *film);
+/* Take all paths out of a tile: it is as at first, but of that generation. */
+void rnd_film_empty(const struct rnd_film *film, struct rnd_film_tile *tile, uint32_t generation);
+
+/* The number of the next path of a pixel; the one after it has the next one. */
+uint32_t rnd_film_draw_listed(struct rnd_film_tile *tile, uint32_t pixel);
+static inline uint32_t rnd_film_draw(struct rnd_film_tile *tile, uint32_t pixel)
+{
+    return tile->drawn > RND_FEW ? tile->pixels->drawn[pixel]++ : rnd_film_draw_listed(tile, pixel);
+}
+
+/* Add samples to a tile; aim and now_ns are what it remembers as its newest batch. */
+void rnd_film_add(const struct rnd_film *film, struct rnd_film_tile *tile, const struct rnd_sample *samples,
+                  uint32_t count, const struct rnd_aim *aim, uint64_t now_ns);
+
+/* Update tiles, laid out row by row: write those that changed since the last call. Returns their number;
+ * their indices go to out_index, which has room for all. For one thread. */
+uint32_t rnd_film_published(const struct rnd_film *film, struct rnd_tile *tiles, uint32_t *out_index);
+/* The state of a tile as it was published last. Does not wait for its lock. */
+void rnd_film_state(const struct rnd_film_tile *tile, struct rnd_tile *out_state);
+
+/* Of a tile whose lock is held: its paths are in its pixels after this. */
+void rnd_film_spread(struct rnd_film_tile *tile);
+/* Of such a pixel, its paths and the mean of its halves. Returns how many paths. */
+uint32_t rnd_film_mean(const struct rnd_film_pixel *pixel, float out_mean[3]);
+/* The pixel i of a tile whose paths are in its list. */
+struct rnd_film_pixel rnd_film_listed(const struct rnd_film_tile *tile, uint32_t i);
+
+/* The whole film: see rnd_render_resolve(). */
+void rnd_film_resolve(const struct rnd_film *film, float *out_rgb, float *out_samples, float *out_error);
+
+#endif

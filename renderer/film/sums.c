@@ -1,0 +1,145 @@
+/* What has reached the pixels of a tile at any level. */
+#include "film/sums.h"
+#include "math/pool.h"
+#include "math/sphere.h"
+
+#include <math.h>
+#include <string.h>
+
+static inline void add_part(struct rnd_sum *to, const float mean[3], float paths, float hits)
+{
+    for (int c = 0; c < 3; c++) to->light[c] += mean[c];
+    to->area += 1.0f;
+    to->paths += paths;
+    to->hits += hits;
+}
+
+/* Paths of a pixel that found light, as far as its halves tell: of H such paths alike its mean has a relative
+ * variance of 1 / H. Halves that agree may do so by chance, while there are few paths. */
+static float hits_of(const struct rnd_film_pixel *pixel, uint32_t paths, const float mean[3])
+{
+    const float bright = rnd_luminance(mean), even = rnd_luminance(pixel->half[0]),
+                odd = rnd_luminance(pixel->half[1]);
+    if (bright <= 0.0f) return 0.0f;
+    const float deviation = 0.5f * (even - odd) / bright, most = 2.0f + (float)paths / 16.0f;
+    return fminf((float)paths, fmaxf(1.0f, 1.0f / (deviation * deviation + 1.0f / most)));
+}
+
+/* The same of a block, by its pixels: a Poisson number that is 0 in so many of them. */
+static float block_hits(const struct rnd_film_block *block)
+{
+    if (block->lit == block->visited) return (float)block->paths;
+    const float visited = (float)block->visited;
+    return fminf((float)block->paths, -visited * log1pf(-(float)block->lit / visited));
+}
+
+static void add_blocks(const struct rnd_film_tile *tile, int scale, int left, int top, struct rnd_sums *sums)
+{
+    const int per = scale / RND_BLOCK, n = RND_TILE / RND_BLOCK;
+    for (int i = 0; i < RND_TILE_BLOCKS; i++) {
+        const struct rnd_film_block *block = &tile->block[i];
+        if (block->visited == 0) continue;
+        float mean[3];
+        for (int c = 0; c < 3; c++) mean[c] = (float)fmax(0.0, block->light[c] / block->visited);
+        add_part(&sums->pixel[(top + i / n / per) * RND_TILE + left + i % n / per], mean, (float)block->paths,
+                 block_hits(block));
+    }
+}
+
+static void add_listed(const struct rnd_film_tile *tile, int scale, int left, int top, struct rnd_sums *sums)
+{
+    bool seen[RND_TILE_PIXELS] = {false};
+    for (uint32_t i = 0; i < tile->listed; i++) {
+        const uint32_t pixel = tile->list[i].pixel;
+        float mean[3];
+        if (seen[pixel]) continue;
+        seen[pixel] = true;
+        const struct rnd_film_pixel whole = rnd_film_listed(tile, pixel);
+        const uint32_t n = rnd_film_mean(&whole, mean);
+        const int x = (int)pixel % RND_TILE, y = (int)pixel / RND_TILE;
+        add_part(&sums->pixel[(top + y / scale) * RND_TILE + left + x / scale], mean, (float)n,
+                 rnd_luminance(mean) > 0.0f ? 1.0f : 0.0f);
+    }
+}
+
+/* Add a level-0 tile's part, scale pixels of it to one of the sums', from (left, top) of them on. */
+static void add_tile(const struct rnd_film_tile *tile, int scale, int left, int top, struct rnd_sums *sums)
+{
+    if (scale >= RND_BLOCK) {
+        add_blocks(tile, scale, left, top, sums);
+    } else if (!tile->spread) {
+        add_listed(tile, scale, left, top, sums);
+    } else {
+        const int shift = __builtin_ctz((unsigned)scale); /* it is a power of two */
+        for (uint32_t i = 0; i < RND_TILE_PIXELS; i++) {
+            float mean[3];
+            const struct rnd_film_pixel *pixel = &tile->pixels->pixel[i];
+            const uint32_t x = i % RND_TILE, y = i / RND_TILE, n = rnd_film_mean(pixel, mean);
+            const uint32_t to = ((uint32_t)top + (y >> shift)) * RND_TILE + (uint32_t)left + (x >> shift);
+            const struct rnd_film_block *block =
+                &tile->block[y / RND_BLOCK * (RND_TILE / RND_BLOCK) + x / RND_BLOCK];
+            if (n == 0) continue;
+            /* hits matter only where a pixel of the block found no light */
+            add_part(&sums->pixel[to], mean, (float)n,
+                     block->lit == block->visited ? (float)n : hits_of(pixel, n, mean));
+        }
+    }
+}
+
+static void merge_state(struct rnd_tile *to, const struct rnd_tile *from, bool first)
+{
+    if (first) {
+        *to = *from;
+        return;
+    }
+    const bool newer = from->samples > 0 && (to->samples == 0 || from->aimed_ns > to->aimed_ns);
+    to->samples += from->samples;
+    to->unvisited += from->unvisited;
+    to->error = fmaxf(to->error, from->error);
+    to->sure_error = fmaxf(to->sure_error, from->sure_error);
+    to->luminance += from->luminance;
+    to->converged &= from->converged;
+    if (!newer) return;
+    to->gaze_sequence = from->gaze_sequence;
+    to->gaze_ns = from->gaze_ns;
+    to->aimed_ns = from->aimed_ns;
+}
+
+/* Wait for a thread that is just adding to the tile, but not for one that was put aside meanwhile. */
+static bool lock_soon(struct rnd_film_tile *tile)
+{
+    enum { LOOKS = 1000 }; /* some tens of microseconds */
+    for (int i = 0; i < LOOKS; i++) {
+        if (pthread_mutex_trylock(&tile->lock) == 0) return true;
+        rnd_pause();
+    }
+    return false;
+}
+
+bool rnd_film_sums(const struct rnd_film *film, int level, int x, int y, struct rnd_sums *out_sums,
+                   struct rnd_tile *out_state)
+{
+    const int span =
+        1 << level; /* level-0 tiles a side; from level 7 on, each is less than a pixel of the sums */
+    struct rnd_tile state = {0};
+    memset(out_sums, 0, sizeof *out_sums);
+    bool whole = true; /* and not emptied or written in part meanwhile */
+    for (int i = 0; i < span * span; i++) {
+        const int dx = i % span, dy = i / span;
+        struct rnd_film_tile *tile = &film->tile[(y * span + dy) * film->across + x * span + dx];
+        struct rnd_tile part;
+        if (whole && lock_soon(tile)) {
+            part = tile->state;
+            if (part.samples > 0) add_tile(tile, span, dx * RND_TILE / span, dy * RND_TILE / span, out_sums);
+            pthread_mutex_unlock(&tile->lock);
+        } else {
+            rnd_film_state(tile, &part);
+            whole = false;
+        }
+        merge_state(&state, &part, i == 0);
+        whole = whole && part.generation == state.generation;
+    }
+    state.luminance /= (float)(span * span);
+    *out_state = state;
+    return whole;
+}

@@ -1,0 +1,24 @@
+/* What has reached the pixels of a tile at any level. */
+#ifndef FOVEAD_RENDERER_SUMS_H
+#define FOVEAD_RENDERER_SUMS_H
+
+#include "film/film.h"
+
+/* What has reached a pixel of a tile at any level. */
+struct rnd_sum {
+    float light[3]; /* mean radiance, summed over the parts of the pixel's area that have paths */
+    float area;     /* how many such parts there are */
+    float paths;
+    float hits; /* of the paths, about how many found light */
+};
+
+struct rnd_sums {
+    struct rnd_sum pixel[RND_TILE * RND_TILE];
+};
+
+/* The sums of the tile (x, y) of a level, and its state: of the level-0 tiles below it together. False if a
+ * tile was just being emptied, or could not be read since a thread that adds to it was put aside. */
+bool rnd_film_sums(const struct rnd_film *film, int level, int x, int y, struct rnd_sums *out_sums,
+                   struct rnd_tile *out_state);
+
+#endif

@@ -1,0 +1,166 @@
+/* A render: batches of paths go into a film, which is read, saved and begun anew. */
+#include "render.h"
+#include "film/converge.h"
+#include "film/film.h"
+#include "film/sums.h"
+#include "image.h"
+#include "reconstruct/pull_push.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { MAX_THREADS = 1024 };
+
+struct rnd_render *rnd_render_create(const struct rnd_scene *scene, const struct rnd_render_options *options,
+                                     char out_error[RND_ERROR_SIZE])
+{
+    struct rnd_render_options chosen = *options;
+    const int width = options->width, height = options->height;
+    if (width < 2 * RND_TILE || width > RND_MAX_WIDTH || width % (2 * RND_TILE) != 0 || height * 2 != width) {
+        snprintf(out_error, RND_ERROR_SIZE,
+                 "film of %d x %d: expected a width that is a multiple of %d, at most %d, and half of it as "
+                 "height",
+                 width, height, 2 * RND_TILE, RND_MAX_WIDTH);
+        return NULL;
+    }
+    const long threads = options->threads > 0 ? options->threads : sysconf(_SC_NPROCESSORS_ONLN);
+    chosen.threads = (int)(threads < 1 ? 1 : threads > MAX_THREADS ? MAX_THREADS : threads);
+    struct rnd_render *render = calloc(1, sizeof *render);
+    if (!render) goto no_memory;
+    pthread_mutex_init(&render->whole, NULL);
+    render->generation = 1;
+    if (rnd_film_init(&render->film, width, height, options->error_bar > 0.0f ? options->error_bar : 0.05f) &&
+        rnd_integrator_init(&render->integrator, scene, &render->film, &chosen))
+        return render;
+no_memory:
+    snprintf(out_error, RND_ERROR_SIZE, "film of %d x %d: not enough memory or threads", width, height);
+    rnd_render_destroy(render);
+    return NULL;
+}
+
+void rnd_render_destroy(struct rnd_render *render)
+{
+    if (!render) return;
+    rnd_integrator_finish(&render->integrator);
+    rnd_film_finish(&render->film);
+    pthread_mutex_destroy(&render->whole);
+    free(render);
+}
+
+int rnd_render_threads(const struct rnd_render *render)
+{
+    return render->integrator.workers;
+}
+
+/* --- paths --- */
+
+void rnd_render_batch(struct rnd_render *render, const struct rnd_aim *aim, uint64_t now_ns, uint32_t paths,
+                      struct rnd_batch *out_batch)
+{
+    rnd_integrate(&render->integrator, aim, now_ns, paths, out_batch);
+}
+
+void rnd_render_outline(struct rnd_render *render, const struct rnd_aim *aim, uint64_t now_ns,
+                        struct rnd_batch *out_batch)
+{
+    rnd_integrate_outline(&render->integrator, aim, now_ns, out_batch);
+}
+
+void rnd_render_retrace(struct rnd_render *render, const struct rnd_aim *aim, uint32_t paths,
+                        struct rnd_batch *out_batch, double *out_seconds)
+{
+    rnd_integrate_twice(&render->integrator, aim, paths, out_batch, out_seconds);
+}
+
+/* Empty tiles first to end. */
+static void empty(void *context, uint32_t first, uint32_t end)
+{
+    struct rnd_render *render = context;
+    for (uint32_t t = first; t < end; t++)
+        rnd_film_empty(&render->film, &render->film.tile[t], render->generation);
+}
+
+void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene, const double eye[3])
+{
+    struct rnd_film *film = &render->film;
+    rnd_integrator_restart(&render->integrator, scene, eye);
+    film->brightness = film->grain = 0.0f;
+    film->paths = film->next_survey = 0;
+    render->generation++;
+    pthread_mutex_lock(&render->whole);
+    rnd_pool_share(render->integrator.pool, (uint32_t)(film->across * film->down), 64, empty, render);
+    pthread_mutex_unlock(&render->whole);
+}
+
+/* --- the film --- */
+
+int rnd_render_levels(const struct rnd_render *render)
+{
+    int levels = 1; /* the width is twice the height and so divides where the height does */
+    while ((render->film.height >> levels) >= RND_TILE && (render->film.height >> levels) % RND_TILE == 0)
+        levels++;
+    return levels;
+}
+
+void rnd_render_tiles(struct rnd_render *render, struct rnd_tile *out_tiles)
+{
+    const int count = render->film.across * render->film.down;
+    for (int i = 0; i < count; i++) rnd_film_state(&render->film.tile[i], &out_tiles[i]);
+}
+
+uint32_t rnd_render_published(struct rnd_render *render, struct rnd_tile *tiles, uint32_t *out_index)
+{
+    return rnd_film_published(&render->film, tiles, out_index);
+}
+
+bool rnd_tile_settled(const struct rnd_render *render, const struct rnd_tile *tile, int x, int y,
+                      const float gaze[3])
+{
+    return rnd_film_settled(&render->film, tile, x, y, gaze);
+}
+
+bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *out_rgb,
+                     struct rnd_tile *out_state)
+{
+    struct rnd_sums sums;
+    struct rnd_tile state;
+    const bool whole = rnd_film_sums(&render->film, level, x, y, &sums, &state);
+    if (out_state) *out_state = state;
+    return whole && rnd_pull_push(&sums, out_rgb);
+}
+
+void rnd_render_resolve(struct rnd_render *render, float *out_rgb, float *out_samples, float *out_error)
+{
+    pthread_mutex_lock(&render->whole);
+    rnd_film_resolve(&render->film, out_rgb, out_samples, out_error);
+    pthread_mutex_unlock(&render->whole);
+}
+
+bool rnd_render_save(struct rnd_render *render, FILE *file, const char *name, char out_error[RND_ERROR_SIZE])
+{
+    const int width = render->film.width, height = render->film.height;
+    const size_t count = (size_t)width * height;
+    float *plane = malloc(count * 5 * sizeof *plane), *data = malloc(count * 5 * sizeof *data);
+    bool ok = false;
+    if (!plane || !data) {
+        snprintf(out_error, RND_ERROR_SIZE, "%.200s: not enough memory", name);
+    } else {
+        float *samples = plane + 3 * count, *error = samples + count;
+        rnd_render_resolve(render, plane, samples, error);
+        const enum rnd_channel_type colour = rnd_exr_type(plane, 3 * count),
+                                    error_type = rnd_exr_type(error, count);
+        const struct rnd_channel channel[5] = {
+            {"R", colour}, {"G", colour}, {"B", colour}, {"samples", RND_FLOAT}, {"error", error_type}};
+        for (size_t i = 0; i < count; i++) {
+            memcpy(&data[5 * i], &plane[3 * i], 3 * sizeof *data);
+            data[5 * i + 3] = samples[i];
+            data[5 * i + 4] = error[i];
+        }
+        ok = rnd_image_write_channels(file, name, width, height, 5, channel, data, true, out_error);
+    }
+    free(plane);
+    free(data);
+    return ok;
+}
