@@ -12,7 +12,7 @@
  * (bids_write.c) says so itself. Files whose suffix is physioevents hold the tracker's events and no gaze. No
  * real file was at hand: the rows of the tests are invented, one of them after the specification's example.
  */
-#include "log/bids.h"
+#include "log/bids_sidecar.h"
 #include "log/formats.h"
 
 #include "error.h"

@@ -2,7 +2,7 @@
  * to the root of the dataset, which holds dataset_description.json. A file applies to all tables of its
  * suffix below it whose names have all entities of its own name. Of two files that have the same key, the
  * deeper one counts. (BIDS 1.10, common principles.) */
-#include "log/bids.h"
+#include "log/bids_sidecar.h"
 
 #include "error.h"
 

@@ -1,4 +1,4 @@
-/* own: the project's own gaze log: text that a person can read and any tool can split.
+/* own: the project's own format of gaze logs, text that a person can read and any tool can split.
  *
  * - Line 1 is "fovead-gaze 1".
  * - Line 2 has the names of the 33 columns below, separated by one space; of 35, with a screen.
@@ -7,8 +7,8 @@
  * The columns:
  * - sequence: counts the tracker's samples from 1; a gap is a lost sample.
  * - device[ns], arrival[ns]: the tracker's clock from 0; the recording host's clock.
- * - valid[bits]: which fields hold something, the sum of 1 direction, 2 origin, 4 head pose, 8 screen; left
- * eye 16 direction, 32 origin, 64 openness, 128 pupil; right eye 256, 512, 1024, 2048.
+ * - valid[bits]: which fields are valid: the sum of 1 direction, 2 origin, 4 head pose, 8 screen; of the
+ *   left eye 16 direction, 32 origin, 64 openness, 128 pupil; of the right eye 256, 512, 1024, 2048.
  * - direction_{x,y,z}[head]: combined gaze direction, unit length.
  * - origin_{x,y,z}[head,m]: combined gaze origin.
  * - left_direction_..., left_origin_...: the same of the left eye; then left_openness[0..1] (0 closed) and
@@ -18,9 +18,8 @@
  *
  * Frames are right-handed: +X right, +Y up, -Z forward. Times are whole nanoseconds and never go back.
  * Numbers are decimal and read back exactly. A field whose bit is unset is written as 0. The last line ends
- * with a newline: one that does not was cut off, and is left out with a word in trk_log.assumed. Lines may
- * end with CRLF.
- */
+ * with a newline; one that does not was cut off, and is left out, which trk_log.assumed says. Lines may end
+ * with CRLF. */
 #ifndef FOVEAD_TRACKER_LOG_OWN_H
 #define FOVEAD_TRACKER_LOG_OWN_H
 
@@ -29,10 +28,11 @@
 /* Room for the first two lines, and for the line of one sample, bytes. */
 enum { TRK_OWN_SIZE = 4096 };
 
-/* The first two lines, and the line of one sample, as they stand in a file. Each returns its length. */
+/* Write the first two lines of a file, or the line of one sample. Return the length. */
 size_t trk_own_header(bool with_screen, char out_text[TRK_OWN_SIZE]);
 size_t trk_own_row(const struct trk_sample *sample, bool with_screen, char out_text[TRK_OWN_SIZE]);
-/* Would trk_log_read() take its row? What is valid must be finite, and of unit length where that is asked. */
+/* Would trk_log_read() accept the sample's row? Valid fields must be finite, and directions of unit length.
+ */
 bool trk_own_accepts(const struct trk_sample *sample);
 
 #endif

@@ -1,6 +1,6 @@
-/* bids: the metadata of a table in JSON files beside and above it. */
-#ifndef FOVEAD_TRACKER_LOG_BIDS_H
-#define FOVEAD_TRACKER_LOG_BIDS_H
+/* bids_sidecar: the metadata of a table in JSON files beside and above it. */
+#ifndef FOVEAD_TRACKER_LOG_BIDS_SIDECAR_H
+#define FOVEAD_TRACKER_LOG_BIDS_SIDECAR_H
 
 #include "log/reading.h"
 
