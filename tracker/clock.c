@@ -7,15 +7,16 @@
 /* No delay and no gap between stamp and arrival is longer: what differs by more has stepped. */
 static const double step_ns = 1e9;
 
-/* A stamp may be older than the last one by so much, or no newer for so many samples in a row, and be only
- * out of order. */
+/* Stamps that are older than the last one by at most so much, or not newer for at most so many samples in a
+ * row, are only out of order. */
 static const double disorder_ns = 100e6;
 enum { DISORDER = 8 };
 
-/* A sample so far below the line shows that what the line stands on was late: a backlog at the start. */
+/* A sample so far below the line shows that the samples that define the line were late: a
+ * backlog at the start. */
 static const double backlog_ns = 20e6;
 
-/* Crystals are within 100 ppm; a fit beyond is no drift. */
+/* Crystals are accurate to 100 ppm; a slope beyond this is not drift. */
 static const double steepest = 2e-3;
 
 /* Seconds of which a slope is believed. */
@@ -123,7 +124,7 @@ static double advance(struct trk_clock *clock, uint64_t ticks, uint64_t arrival_
                   since_ns - device_ns > delay_at(clock, device_ns) + step_ns;
     }
     if (!stepped) return device_ns;
-    /* behind stays: a counter that stands still is told by arrivals until it goes on. */
+    /* behind is kept: while a counter stands still, arrivals tell its time. */
     forget(clock);
     clock->restarts++;
     clock->elapsed = 0;

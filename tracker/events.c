@@ -8,20 +8,22 @@
 
 #define MS UINT64_C(1000000)
 
-/* Speed is the difference of the means over a newest and a base span, and a skip between them, and is an
- * onset above a least speed. At 120 Hz: one sample and the three before it show the onset of a large saccade
- * soonest; one and three with a sample skipped that of a smaller one, which takes three samples as large ones
- * do and would spoil its own base; two and three with one skipped that of the smallest, a degree, when it has
- * landed, in less noise. One and two show the offset, and forget the flight sooner; one and one the peak. */
+/* Speed is the difference of the means over a newest and a base span, with a skipped span between them. A
+ * speed above the least of a row is an onset. At 120 Hz, one sample against the three before it shows the
+ * onset of a large saccade soonest. One against three, with one skipped, shows that of a smaller saccade,
+ * which takes three samples as large ones do and would otherwise be part of its own base. Two against three,
+ * with one skipped, has less noise and shows the smallest saccade, of a degree, when it has landed. One
+ * against two shows the offset, for it forgets the flight sooner; one against one gives the peak. */
 static const struct span {
     uint64_t newest_ns, skip_ns, base_ns;
     double least_deg_s;
 } onset_spans[] = {{6 * MS, 0, 27 * MS, 60}, {6 * MS, 7 * MS, 27 * MS, 40}, {14 * MS, 7 * MS, 27 * MS, 35}},
   offset_span = {6 * MS, 0, 13 * MS, 40}, peak_span = {6 * MS, 0, 5 * MS, 0};
-/* All are above the usual 30 deg/s (Tobii XR Ocumen), which drowns in the noise of a headset, from sample to
- * sample at 120 Hz 60 to 120 deg/s; above 70 while gaze moves already, for that may be a pursuit of 30. And
- * all rise with the measured noise: the speed of an eye at rest is Rayleigh distributed, and passes 4.5 of
- * its scale once in 25,000 samples and 2 in one of seven. */
+/* All thresholds are above the usual 30 deg/s (Tobii XR Ocumen), which is less than the noise of a headset:
+ * 60 to 120 deg/s from sample to sample at 120 Hz. While gaze moves already, the threshold is 70, for the
+ * movement may be a pursuit of 30. All rise with the measured noise: the speed of an eye at rest is Rayleigh
+ * distributed, and exceeds 4.5 times its scale once in 25,000 samples, and twice its scale in one of seven.
+ */
 static const double moving_onset_deg_s = 70, onset_noises = 4.5, offset_noises = 2;
 enum { ONSETS = sizeof onset_spans / sizeof *onset_spans };
 /* The longest saccade there is, 40 degrees, takes 110 ms. */
@@ -30,12 +32,12 @@ static const uint64_t longest_saccade_ns = 150 * MS;
  * which the largest step that no onset shows has passed; it ends at half of that. */
 static const double pursuit_deg_s = 10, pursuit_noises = 4;
 static const uint64_t pursuit_ns = 100 * MS;
-/* Samples are missing where twice the usual interval has passed, and this. */
+/* Samples are missing where more than twice the usual interval has passed, and more than this. */
 static const uint64_t short_gap_ns = 20 * MS;
-/* Noise to begin with, and the least: no tracker is better. */
+/* The noise that is assumed at first, and the lowest: no tracker is better. */
 static const double first_noise_deg = 0.2, least_noise_deg = 0.01;
-/* Steps that fall like 0.7 / n find the median soonest, its density at it being 0.7 over the log of noise;
- * the least keep it following. */
+/* Steps that fall like 0.7 / n find the median soonest, for its density over the log of noise is 0.7. They
+ * fall no lower than the least, so that the estimate keeps following. */
 static const double first_noise_step = 0.7, least_noise_step = 0.004;
 
 void trk_classifier_init(struct trk_classifier *classifier)
@@ -130,9 +132,9 @@ static double slope(const struct trk_classifier *c, double *out_noise)
     return glm_deg(glm_vec3_norm(tx)) / spread;
 }
 
-/* The second difference of three samples in a row is blind to smooth movement, and six times the variance of
- * one. Its length is Rayleigh distributed; the median of that is approached by steps, up as often as down, so
- * that no saccade disturbs it (stochastic approximation: Robbins and Monro 1951). */
+/* The second difference of three samples in a row does not show smooth movement, and has six times the
+ * variance of one sample. Its length is Rayleigh distributed. Steps approach the median of that length, up as
+ * often as down, so that no saccade disturbs it (stochastic approximation: Robbins and Monro 1951). */
 static void measure_noise(struct trk_classifier *c)
 {
     if (c->count < 3) return;
@@ -178,7 +180,8 @@ static void follow_slope(struct trk_classifier *c, uint64_t now_ns)
         enter(c, pursues ? TRK_FIXATION : TRK_PURSUIT, now_ns - pursuit_ns);
 }
 
-/* Does this sample go on from the last one? Not after a long gap, nor when the eye jumped in a short one. */
+/* Does this sample continue the last one? It does not after a long gap, or if the eye jumped in a short one.
+ */
 static bool goes_on(const struct trk_classifier *c, uint64_t time_ns, const float world[3])
 {
     if (!c->count) return false;

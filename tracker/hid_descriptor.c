@@ -20,7 +20,7 @@ enum {
     VARIABLE = 2,
 };
 
-/* Ticks of which a clock of nanoseconds can be made. */
+/* Limits of a tick from which a clock of nanoseconds can be made. */
 static const double finest_s = 1e-9 * (1 - 1e-6), coarsest_s = 1;
 
 /* What a quantity is measured in. */
@@ -94,7 +94,8 @@ static int64_t as_signed(const struct item *item)
     }
 }
 
-/* A maximum below the minimum 0 or more was meant unsigned: 25 FF after 15 00 is 255 for many a firmware. */
+/* A maximum below a minimum of 0 or more was meant as unsigned: many firmwares write 25 FF after 15 00 for
+ * 255. */
 static int64_t as_maximum(const struct item *maximum, int64_t minimum)
 {
     return minimum >= 0 ? (int64_t)maximum->data : as_signed(maximum);
@@ -214,8 +215,8 @@ static uint16_t parent_usage(const struct parser *p)
     return 0;
 }
 
-/* Look what is known in the ranges of usages, element by element; the last usage holds for all elements that
- * are left (6.2.2.8), which is of no interest except for a timestamp. */
+/* Find the known usages in the ranges of usages, element by element. The last usage holds for all elements
+ * that are left (6.2.2.8), which matters for a timestamp alone. */
 static void add_fields(struct parser *p, enum trk_hid_type type)
 {
     uint16_t parent = parent_usage(p);

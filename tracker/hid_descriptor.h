@@ -54,7 +54,7 @@ struct trk_hid_field {
     uint8_t bits;       /* 1 to 64, little endian */
     uint16_t first_bit; /* counted from the byte after the report id */
     bool is_signed;
-    bool has_range;    /* values outside low..high are none: "not available" */
+    bool has_range;    /* values outside low..high mean "not available" */
     int64_t low, high; /* logical */
     /* value = offset + scale * raw: in m, s, rad or Hz; of a gaze point without a unit the share of the
      * screen, 0 to 1; of status and mode the number itself. Of a timestamp the ticks are kept, and scale is
@@ -73,8 +73,8 @@ struct trk_hid_layout {
     uint16_t bits[TRK_HID_TYPES][256]; /* of each report, without its id; at most TRK_HID_MAX_REPORT_BITS */
 };
 
-/* Parse a descriptor of size bytes. False and a line in out_error, naming the byte, if it is no well-formed
- * descriptor, or of no eye tracker, or of one that reports no gaze point. */
+/* Parse a descriptor of size bytes. False and a line in out_error, which names the byte, if the descriptor is
+ * malformed, or does not describe an eye tracker that reports a gaze point. */
 bool trk_hid_parse(const uint8_t *bytes, size_t size, struct trk_hid_layout *out_layout,
                    char out_error[TRK_ERROR_SIZE]);
 

@@ -23,8 +23,8 @@ struct trk_hid_values {
 bool trk_hid_decode(const struct trk_hid_layout *layout, enum trk_hid_type type, const uint8_t *bytes,
                     size_t size, struct trk_hid_values *out_values);
 
-/* Fill in what the values tell of where the eyes look at the screen, which has no unknown size or distance:
- * valid and what its bits name. Everything else of *out_sample is left alone. */
+/* Fill in what the values tell of the gaze on a screen whose size and distance are known: valid, and the
+ * fields that its bits name. All else in *out_sample is left alone. */
 void trk_hid_sample(const struct trk_hid_values *values, const struct trk_screen *screen,
                     struct trk_sample *out_sample);
 

@@ -28,7 +28,7 @@ static uint64_t time_of(const struct scan *scan, size_t i)
     return trk_log_time(scan->log, i);
 }
 
-/* Where the eye already was on its way when the onset showed is part of the saccade. */
+/* A saccade includes the samples before its onset showed in which the eye was on its way already. */
 static void backdate(struct scan *scan, const struct trk_classifier *c, size_t onset)
 {
     double still_deg = 3 * c->noise_deg;
@@ -77,7 +77,7 @@ static bool mean_from(const struct scan *scan, size_t i, int step, float out[3])
     return true;
 }
 
-/* Nothing is seen from sample first to last: bridge it, or say what it was. */
+/* No eye is seen from sample first to last: bridge the gap, or label it as a blink or a loss. */
 static void name_gap(struct scan *scan, size_t first, size_t last)
 {
     uint64_t start_ns = time_of(scan, first ? first - 1 : first);
@@ -124,7 +124,7 @@ static size_t run_end(const struct scan *scan, size_t first)
     return last;
 }
 
-/* Blinks take what is seen of a moving lid with them, but no other blink or loss. */
+/* A blink includes the samples around it that the moving lid disturbs, but no other blink or loss. */
 static void widen_blinks(struct scan *scan)
 {
     for (size_t i = 0; i < scan->count; i++) {
@@ -141,7 +141,7 @@ static void widen_blinks(struct scan *scan)
     }
 }
 
-/* Saccades that come to nothing belong to the fixation around them. */
+/* A saccade that leads nowhere belongs to the fixation around it. */
 static void dissolve_jitter(struct scan *scan)
 {
     for (size_t i = 0; i < scan->count; i++) {
@@ -173,7 +173,8 @@ static void measure(const struct scan *scan, struct trk_event *event)
     vec3 sum = {0};
     const bool jump = event->type == TRK_SACCADE;
     for (size_t i = event->first; i <= event->last; i++) glm_vec3_add(sum, scan->world[i], sum);
-    /* A saccade goes from the samples before it to those after; anything else within its own. */
+    /* A saccade goes from the samples before it to those after it; any other event stays within its own
+     * samples. */
     bool known =
         mean_from(scan, jump && event->first ? event->first - 1 : event->first, jump ? -1 : 1, from) &&
         mean_from(scan, jump ? event->last + 1 : event->last, jump ? 1 : -1, to);

@@ -28,10 +28,10 @@ const struct trk_packet_layout trk_psvr2_layout = {
     .axes = {-1, 1, -1},
 };
 
-/* No eye is farther from the middle of its headset, no pupil wider. */
+/* Eyes are not farther from the middle of the headset than this, and pupils not wider. */
 static const float farthest_m = 0.5f, widest_mm = 15;
 
-/* A unit vector that is this far from it is none. */
+/* A direction whose length differs from 1 by more than this is invalid. */
 static const float slack = 0.1f;
 
 static uint32_t take_u32(const uint8_t *bytes)

@@ -53,7 +53,7 @@ static void fail(struct trk_recorder *r, const char *what, int error)
     r->status.failing = true;
 }
 
-/* All of it or nothing: half a row on a full disk is taken back, and would be written over. */
+/* Write all of the text or nothing: half a row on a full disk is removed again. */
 static bool write_text(struct trk_recorder *r, size_t length)
 {
     size_t done = 0;
@@ -87,8 +87,8 @@ static void sync_to_disk(struct trk_recorder *r)
     r->sync_ns = trk_now_ns();
 }
 
-/* Wait until there is something worth writing, and make text of it, which leaves it in the queue. False when
- * there never will be. */
+/* Wait until there is enough to write, and turn a batch into text. Its samples stay in the queue. False when
+ * the recorder is being closed and the queue is empty. */
 static bool take_batch(struct trk_recorder *r, bool again, size_t *out_count, size_t *out_length)
 {
     uint64_t wake_ns = trk_now_ns() + write_period_ns;
@@ -107,7 +107,8 @@ static bool take_batch(struct trk_recorder *r, bool again, size_t *out_count, si
     return more;
 }
 
-/* What has been written leaves the queue. At the end so does what has not. True if there is another batch. */
+/* Remove a batch that was written from the queue; when the recorder is being closed, remove also what cannot
+ * be written. True if there is another batch. */
 static bool settle_batch(struct trk_recorder *r, size_t count, int error)
 {
     pthread_mutex_lock(&r->lock);
@@ -148,7 +149,7 @@ static void *write_all(void *argument)
 
 /* --- the caller's side ---------------------------------------------------------------------------------- */
 
-/* Signals are for the program's other threads. */
+/* The program's other threads handle signals. */
 static bool start(struct trk_recorder *r)
 {
     sigset_t all, before;
@@ -199,7 +200,7 @@ struct trk_recorder *trk_recorder_start(int fd, const char *path, char out_error
     return NULL;
 }
 
-/* What a log never holds: see trk_log_append(). */
+/* Would trk_log_append() take the sample? */
 static bool fits(const struct trk_recorder *r, const struct trk_sample *sample)
 {
     return sample->sequence > r->newest.sequence && sample->device_ns >= r->newest.device_ns &&

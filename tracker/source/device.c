@@ -33,7 +33,7 @@ struct trk_device {
     pthread_t thread;
     bool has_thread;
 
-    /* The thread's; before it starts, the opener's. */
+    /* Only the thread uses these; before it starts, whoever opens the device. */
     const struct trk_source_row *row; /* of the device that was opened last */
     void *handle;                     /* NULL: none is open */
     struct trk_device_facts facts;
@@ -115,7 +115,7 @@ void trk_device_deliver(struct trk_device *device, const struct trk_sample *samp
     copy.arrival_ns = arrival_ns;
     copy.sensor_ns = 0;
     if (!device->arrival_ns) {
-        /* Its time goes on where that of the one before ended, as if it had run on meanwhile. */
+        /* Device time goes on after the last sample of the device before, as if it had run meanwhile. */
         if (device->sequence) device->base_ns = device->device_ns + arrival_ns - device->last_arrival_ns;
         device->opened_ns = arrival_ns;
     } else if (!device->silent) {
@@ -155,7 +155,7 @@ void trk_device_news(struct trk_device *device, double rate_hz, const char *rema
     set_description(device);
 }
 
-/* How long it may be silent: by the slower of what it says and what it does. */
+/* How long a device may be silent: some periods of its nominal or its measured rate, whichever is slower. */
 static uint64_t patience_ns(const struct trk_device *device)
 {
     double period_ns = device->period_ns;
@@ -166,7 +166,7 @@ static uint64_t patience_ns(const struct trk_device *device)
 
 /* --- plugging ------------------------------------------------------------------------------------------- */
 
-/* The first device that opens; the first line of what was in the way of others. */
+/* Open the first device that works. out_error gets the first reason why another could not be opened. */
 static bool search(struct trk_device *device, char out_error[TRK_ERROR_SIZE])
 {
     char error[TRK_ERROR_SIZE];

@@ -23,7 +23,7 @@ enum { PAGE = 0x12, EYE_TRACKER = 0x01, MAX_NODES = 16, MAX_REPORT = 1 + TRK_HID
 static const struct trk_screen usual_screen = {.width_m = 0.531f, .height_m = 0.299f, .distance_m = 0.65f};
 static const double smallest_m = 0.01, largest_m = 20, fastest_hz = 20000;
 
-/* A device that is so slow to answer one question is asked no more. */
+/* A device that takes longer than this to answer one request gets no more of them. */
 static const uint64_t slow_ns = 1000000000;
 
 static const char no_access[] =
@@ -175,7 +175,7 @@ static size_t hid_list(struct trk_device_info *out_devices, size_t room)
 
 /* --- opening -------------------------------------------------------------------------------------------- */
 
-/* Every feature report that holds something that is of use, once each. A device need not answer. */
+/* Read every feature report that holds a quantity of use, once each. A device need not answer. */
 static void read_features(struct hid *hid)
 {
     const struct trk_hid_layout *layout = &hid->layout;
@@ -204,7 +204,7 @@ static void read_features(struct hid *hid)
     }
 }
 
-/* Ask for all that the device can send, or for nothing. It may not know the request, and send all the same.
+/* Ask for all that the device can send, or for nothing. A device may not know the request, and send anyway.
  */
 static void request_mode(struct hid *hid, uint64_t mode)
 {
@@ -222,7 +222,7 @@ static double feature(const struct hid *hid, enum trk_hid_quantity quantity)
     return hid->features.has >> quantity & 1 ? hid->features.value[quantity] : 0;
 }
 
-/* Options, then the device, then the usual. Returns whose the size is. */
+/* Take the screen from the options, else from the device, else a usual one. Returns which of them it was. */
 static const char *choose_screen(struct hid *hid, const struct trk_screen *wanted)
 {
     double width_m = feature(hid, TRK_HID_WIDTH), height_m = feature(hid, TRK_HID_HEIGHT);

@@ -38,7 +38,7 @@ static const double drift_arcmin2_per_s = 30, microsaccade_hz = 1.5, microsaccad
 /* Tracker: white noise of 0.2 deg rms from sample to sample in the combined gaze (twice the deviation of an
  * axis), and a calibration bias of 0.7 deg rms that wanders within 20 s. */
 static const double noise_s2s_deg = 0.2, bias_rms_deg = 0.7, bias_time_s = 20;
-/* Resolution of what it reports: a ten-thousandth of a degree would be idle. */
+/* Resolution of the numbers that it reports. A ten-thousandth of a degree would be too fine to matter. */
 static const double unit_steps = 1e5, metre_steps = 1e4, scalar_steps = 100;
 
 /* How often something hides the eye, and for how long: one in period_s on average, pause_s apart at least. */
@@ -195,7 +195,7 @@ static void begin_fixation(struct trk_observer *o)
     o->phase_end_s += exp(mu + fixation_sigma * normal(o));
 }
 
-/* The head is bound for most of the way to a target that is far from where it is bound already. */
+/* Send the head most of the way to a target that is far from where the head is going already. */
 static void send_head(struct trk_observer *o, vec3 target)
 {
     double yaw = remainder(atan2(-target[0], -target[2]) * 180 / M_PI - o->head_target_deg[0], 360);
@@ -205,9 +205,9 @@ static void send_head(struct trk_observer *o, vec3 target)
     o->head_target_deg[1] += head_share * pitch;
 }
 
-/* Draw targets until one is taken: near the horizon almost always, where the eye cannot turn never. When no
- * try is taken the most likely one is, and when none is in reach gaze stays where it is until the head has
- * caught up. */
+/* Draw targets until one is accepted: a target near the horizon almost always, one that the eye cannot reach
+ * never. If none is accepted, the likeliest is taken; if none is in reach, gaze stays where it is until the
+ * head has caught up. */
 static void begin_saccade(struct trk_observer *o)
 {
     versor head;

@@ -36,7 +36,7 @@ enum { ROWS = sizeof rows / sizeof *rows };
 
 /* --- by name -------------------------------------------------------------------------------------------- */
 
-/* Its place in the table; NULL if there is none. */
+/* The place in the table of the row that a spec names; NULL if there is none. */
 static const struct trk_source_row *const *find(const char *spec)
 {
     for (int i = 0; i < ROWS; i++) {

@@ -29,7 +29,7 @@ struct usb_tracker {
     const char *name, *abilities;
     int interface;
     uint8_t in, out; /* bulk endpoints: of gaze packets, of the calibration */
-    /* A vendor request that starts the stream, and must be said again and again; and one that stops it. */
+    /* The vendor request that starts the stream, which must be repeated, and the one that stops it. */
     uint8_t request_type, request;
     uint16_t value;
     uint8_t start[8], stop[8];
@@ -136,8 +136,8 @@ static void submit(struct usb_transfer *t)
     if (result != 0) t->usb->errors++;
 }
 
-/* An unplugged device may fail with anything first: it is tried again, in usb_step(), until the bus says that
- * it is gone. */
+/* The transfers of an unplugged device may fail with any error first. usb_step() submits them again until the
+ * bus says that the device is gone. */
 static void LIBUSB_CALL on_transfer(struct libusb_transfer *transfer)
 {
     uint64_t arrival_ns = trk_now_ns();
