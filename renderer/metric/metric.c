@@ -93,6 +93,17 @@ bool rnd_measure(const struct rnd_metric *metric, const struct rnd_pair *pair, f
     return metric->compute(pair, out_map, out_measure, out_error);
 }
 
+double rnd_pair_mean(const struct rnd_pair *pair, double (*of)(float reference, float test))
+{
+    double sum = 0.0, weights = 0.0;
+    for (size_t i = 0; i < (size_t)pair->width * (size_t)pair->height; i++) {
+        const double weight = rnd_pair_weight(pair, i);
+        for (size_t c = 3 * i; c < 3 * i + 3; c++) sum += weight * of(pair->reference[c], pair->test[c]);
+        weights += 3.0 * weight;
+    }
+    return sum / weights;
+}
+
 void rnd_measure_add(struct rnd_measure *measure, const char *key, double value, bool whole)
 {
     const int i = measure->figures++;

@@ -16,6 +16,9 @@ static inline double rnd_pair_weight(const struct rnd_pair *pair, size_t i)
     return pair->weight ? pair->weight[i] : 1.0;
 }
 
+/* Mean over a pair's channels, by the weights of their pixels, of what each comes to. */
+double rnd_pair_mean(const struct rnd_pair *pair, double (*of)(float reference, float test));
+
 /* Add a figure to a measure, which has room for it. */
 void rnd_measure_add(struct rnd_measure *measure, const char *key, double value, bool whole);
 

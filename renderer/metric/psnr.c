@@ -2,21 +2,18 @@
 #include "metric/metric.h"
 #include "math/srgb.h"
 
+static double square(float reference, float test)
+{
+    const double difference = rnd_srgb_encode(test) - rnd_srgb_encode(reference);
+    return difference * difference;
+}
+
 static bool compute(const struct rnd_pair *pair, float *out_map, struct rnd_measure *out_measure,
                     char out_error[RND_ERROR_SIZE])
 {
     (void)out_map;
     (void)out_error;
-    double sum = 0.0, weights = 0.0;
-    for (size_t i = 0; i < (size_t)pair->width * (size_t)pair->height; i++) {
-        const double weight = rnd_pair_weight(pair, i);
-        for (size_t c = 3 * i; c < 3 * i + 3; c++) {
-            const double difference = rnd_srgb_encode(pair->test[c]) - rnd_srgb_encode(pair->reference[c]);
-            sum += weight * difference * difference;
-        }
-        weights += 3.0 * weight;
-    }
-    out_measure->value = -10.0 * log10(sum / weights);
+    out_measure->value = -10.0 * log10(rnd_pair_mean(pair, square));
     return true;
 }
 

@@ -3,21 +3,18 @@
 
 static const double EPSILON = 0.01; /* keeps what is nearly black from deciding alone */
 
+static double relative_square(float reference, float test)
+{
+    const double r = reference, difference = test - r;
+    return difference * difference / (r * r + EPSILON);
+}
+
 static bool compute(const struct rnd_pair *pair, float *out_map, struct rnd_measure *out_measure,
                     char out_error[RND_ERROR_SIZE])
 {
     (void)out_map;
     (void)out_error;
-    double sum = 0.0, weights = 0.0;
-    for (size_t i = 0; i < (size_t)pair->width * (size_t)pair->height; i++) {
-        const double weight = rnd_pair_weight(pair, i);
-        for (size_t c = 3 * i; c < 3 * i + 3; c++) {
-            const double r = pair->reference[c], difference = pair->test[c] - r;
-            sum += weight * difference * difference / (r * r + EPSILON);
-        }
-        weights += 3.0 * weight;
-    }
-    out_measure->value = sum / weights;
+    out_measure->value = rnd_pair_mean(pair, relative_square);
     rnd_measure_add(out_measure, "relative_mse_epsilon", EPSILON, false);
     return true;
 }
