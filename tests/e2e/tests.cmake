@@ -5,9 +5,10 @@ endforeach()
 foreach(program false_daemon hostile moves)
   target_link_libraries(e2e_${program} PRIVATE protocol m)
 endforeach()
-foreach(program compare golden mean picture)
-  target_link_libraries(e2e_${program} PRIVATE daemon renderer m)
+foreach(program compare mean picture)
+  target_link_libraries(e2e_${program} PRIVATE renderer m)
 endforeach()
+target_link_libraries(e2e_golden PRIVATE daemon)
 
 foreach(name access attention bad_input compare disk files hostile kills libraries move options record shutdown steer streams tracker
         until virtual)
