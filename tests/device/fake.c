@@ -36,6 +36,12 @@ void fake_be_urgent(void)
     is_urgent = true;
 }
 
+UMockdevIoctlData *fake_ioctl_data(UMockdevIoctlClient *client)
+{
+    unsigned long request = umockdev_ioctl_client_get_request(client);
+    return umockdev_ioctl_data_resolve(umockdev_ioctl_client_get_arg(client), 0, _IOC_SIZE(request), NULL);
+}
+
 static bool is_usb(const struct fake_device *device)
 {
     return device->kind >= FAKE_PSVR2;

@@ -126,8 +126,7 @@ gboolean fake_hid_ioctl(UMockdevIoctlBase *base, UMockdevIoctlClient *client, gp
     struct fake_device *device = user;
     fake_be_urgent();
     unsigned long request = umockdev_ioctl_client_get_request(client);
-    UMockdevIoctlData *data =
-        umockdev_ioctl_data_resolve(umockdev_ioctl_client_get_arg(client), 0, _IOC_SIZE(request), NULL);
+    UMockdevIoctlData *data = fake_ioctl_data(client);
     pthread_mutex_lock(&device->lock);
     bool gone = device->gone;
     int result = gone || !data ? -1 : answer(device, request, data);

@@ -48,6 +48,9 @@ uint64_t fake_now_ns(void);
 /* Run this thread before all that compute, from now on; for every thread that acts for the kernel. */
 void fake_be_urgent(void);
 
+/* The argument of a request to a device, all of its bytes; NULL if they cannot be had. The caller unrefs it. */
+UMockdevIoctlData *fake_ioctl_data(UMockdevIoctlClient *client);
+
 /* The next report. Under device->lock. */
 void fake_hid_fill(struct fake_device *device, struct fake_report *out_report);
 void fake_usb_fill(struct fake_device *device, struct fake_report *out_report);

@@ -248,8 +248,7 @@ gboolean fake_usb_ioctl(UMockdevIoctlBase *base, UMockdevIoctlClient *client, gp
     struct fake_device *device = user;
     fake_be_urgent();
     unsigned long request = umockdev_ioctl_client_get_request(client);
-    UMockdevIoctlData *data =
-        umockdev_ioctl_data_resolve(umockdev_ioctl_client_get_arg(client), 0, _IOC_SIZE(request), NULL);
+    UMockdevIoctlData *data = fake_ioctl_data(client);
     bool reaps = request == USBDEVFS_REAPURB || request == USBDEVFS_REAPURBNDELAY;
     pthread_mutex_lock(&device->lock);
     int result = reaps ? reap(device, client, data) : answer(device, client, request, data);
