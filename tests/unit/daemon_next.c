@@ -80,6 +80,13 @@ static void choose(struct world *world, const float gaze[3], size_t limit)
     assert_true(world->count <= limit);
 }
 
+/* Looking forward, that many tiles are chosen. */
+static void chooses(struct world *world, uint32_t count)
+{
+    choose(world, FORWARD, LIMIT);
+    assert_int_equal(world->count, count);
+}
+
 static void send_all(struct world *world)
 {
     for (size_t i = 0; i < world->count; i++)
@@ -120,8 +127,7 @@ static void nothing_painted_nothing_sent(void **state)
 {
     struct world *world = *state;
 
-    choose(world, FORWARD, LIMIT);
-    assert_int_equal(world->count, 0);
+    chooses(world, 0);
 }
 
 static void an_outline_is_sent_coarsest_first_and_whole(void **state)
@@ -209,17 +215,14 @@ static void growth_sends_again_and_nothing_else_does(void **state)
     paint(world, 2 * ENOUGH);
     send_until_done(world, FORWARD);
     world->tiles[700].samples = 3 * ENOUGH - 1;
-    choose(world, FORWARD, LIMIT);
-    assert_int_equal(world->count, 0);
+    chooses(world, 0);
     world->tiles[700].samples = 3 * ENOUGH;
-    choose(world, FORWARD, LIMIT);
-    assert_int_equal(world->count, 1);
+    chooses(world, 1);
     assert_int_equal(world->places[0].level, 0);
     assert_int_equal(world->places[0].index, 700);
     assert_int_equal(world->places[0].y * 64 + world->places[0].x, 700);
     send_all(world);
-    choose(world, FORWARD, LIMIT);
-    assert_int_equal(world->count, 0);
+    chooses(world, 0);
 }
 
 static void a_settled_tile_is_sent_once(void **state)
@@ -230,22 +233,17 @@ static void a_settled_tile_is_sent_once(void **state)
     send_until_done(world, FORWARD);
     /* The gaze comes and goes, and with it the mark: that alone is no news. */
     world->settled[3] = true;
-    choose(world, FORWARD, LIMIT);
-    assert_int_equal(world->count, 0);
+    chooses(world, 0);
     world->tiles[3].samples += 11 * ENOUGH;
-    choose(world, FORWARD, LIMIT);
-    assert_int_equal(world->count, 1);
+    chooses(world, 1);
     send_all(world);
     world->tiles[3].samples += ENOUGH;
-    choose(world, FORWARD, LIMIT);
-    assert_int_equal(world->count, 0);
+    chooses(world, 0);
     world->tiles[3].converged = true;
-    choose(world, FORWARD, LIMIT);
-    assert_int_equal(world->count, 1);
+    chooses(world, 1);
     send_all(world);
     world->tiles[3].samples += ENOUGH;
-    choose(world, FORWARD, LIMIT);
-    assert_int_equal(world->count, 0);
+    chooses(world, 0);
 }
 
 static void a_new_tile_goes_before_a_known_one(void **state)
@@ -258,8 +256,7 @@ static void a_new_tile_goes_before_a_known_one(void **state)
     size_t known = 15 * 64 + 31, fresh = 15 * 64 + 32;
     world->tiles[known].samples = world->tiles[fresh].samples = 9 * ENOUGH;
     world->sent[fresh].samples = 0;
-    choose(world, FORWARD, LIMIT);
-    assert_int_equal(world->count, 2);
+    chooses(world, 2);
     assert_int_equal(world->places[0].index, fresh);
     assert_int_equal(world->places[1].index, known);
 }
@@ -390,8 +387,7 @@ static void what_the_eye_sees_is_the_finest_that_was_sent(void **state)
     choose(world, FORWARD, LIMIT);
     send_until_done(world, FORWARD);
     world->tiles[fine].samples++;
-    choose(world, FORWARD, LIMIT);
-    assert_int_equal(world->count, 0);
+    chooses(world, 0);
     assert_true(dmn_seen_at(&world->pyramid, world->sent, FORWARD, &place));
     assert_int_equal(place.level, 0);
     assert_int_equal(place.index, fine);
