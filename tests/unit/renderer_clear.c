@@ -5,8 +5,12 @@
 static struct rnd_scene *load(const char *path, const char *env, const float *sun, const float *eye,
                               bool clear)
 {
-    struct rnd_scene_options options = {
-        .readers = files_readers(), .path = path, .env_path = env, .has_sun = sun, .has_eye = true, .clear_glass = clear};
+    struct rnd_scene_options options = {.readers = files_readers(),
+                                        .path = path,
+                                        .env_path = env,
+                                        .has_sun = sun,
+                                        .has_eye = true,
+                                        .clear_glass = clear};
     char error[RND_ERROR_SIZE];
     if (sun) memcpy(options.sun, sun, sizeof options.sun);
     for (int c = 0; c < 3; c++) options.eye[c] = (double)eye[c];
@@ -83,17 +87,13 @@ static void slab_of_glass(void **state)
 static const char *rough_glass(double roughness, bool thin)
 {
     static const struct files_part part[] = {FILES_SQUARE};
-    static const char meshes[] =
-        "{\"attributes\":{\"POSITION\":0},\"indices\":2,\"material\":0}]},{\"primitives\":["
-        "{\"attributes\":{\"POSITION\":0},\"indices\":2,\"material\":1}";
     char materials[1000];
     snprintf(materials, sizeof materials,
-             "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,1],\"metallicFactor\":0},"
-             "\"extensions\":{\"KHR_materials_specular\":{\"specularFactor\":0}}},"
-             "{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":%g},"
-             "\"extensions\":{\"KHR_materials_transmission\":{\"transmissionFactor\":1}%s}}",
+             FILES_GREY ","
+                        "{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":%g},"
+                        "\"extensions\":{\"KHR_materials_transmission\":{\"transmissionFactor\":1}%s}}",
              roughness, thin ? "" : ",\"KHR_materials_volume\":{\"thicknessFactor\":0.2}");
-    return files_parts("rough.gltf", meshes,
+    return files_parts("rough.gltf", files_two_squares,
                        thin ? "{\"mesh\":0,\"scale\":[900,1,900],\"children\":[1]},{\"mesh\":1,"
                               "\"translation\":[0,1,0]}"
                             : "{\"mesh\":0,\"scale\":[900,1,900],\"children\":[1,2]},{\"mesh\":1,"

@@ -8,9 +8,7 @@
 
 enum { DRAWS = 200000, RAYS = 1000000 };
 
-static const char floor_material[] =
-    "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,1],\"metallicFactor\":0},"
-    "\"extensions\":{\"KHR_materials_specular\":{\"specularFactor\":0}}}";
+static const char floor_material[] = FILES_GREY;
 
 /* A mean, and its standard error. */
 struct mean {

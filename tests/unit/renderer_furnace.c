@@ -178,9 +178,6 @@ static void dark_room_far_away(void **state)
 static void far_nodes(void **state)
 {
     (void)state;
-    static const char grey[] =
-        "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,1],\"metallicFactor\":0},"
-        "\"extensions\":{\"KHR_materials_specular\":{\"specularFactor\":0}}}";
     static const char light[] =
         ",\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":0.1}}],"
         "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\",\"intensity\":8}]}}";
@@ -192,7 +189,8 @@ static void far_nodes(void **state)
                  "{\"translation\":[0.3,0.5,0.1],\"camera\":0},"
                  "{\"translation\":[0.3,2,0.1],\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}",
                  i ? "50000.3,-20000.7,1000000.2" : "0,0,0");
-        struct rnd_scene *scene = files_load(files_gltf("far.gltf", 1, nodes, grey, light), NULL, NULL, NULL);
+        struct rnd_scene *scene =
+            files_load(files_gltf("far.gltf", 1, nodes, FILES_GREY, light), NULL, NULL, NULL);
         assert_within("floor under a lamp of a far node",
                       files_radiance(scene, "fv", 1, 50000, &down, 10, NULL), 0.5 / M_PI * 8 / 4, 0.005);
         assert_float_equal(rnd_scene_info(scene)->eye[0], i ? 50000.6 : 0.3, 0.01);
@@ -206,9 +204,6 @@ static void far_nodes(void **state)
 static void punctual(void **state)
 {
     (void)state;
-    static const char grey[] =
-        "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,1],\"metallicFactor\":0},"
-        "\"extensions\":{\"KHR_materials_specular\":{\"specularFactor\":0}}}";
     /* A light shines along -Z of its node: turned by 30 degrees it comes from 60 degrees off the normal. */
     static const struct {
         const char *what, *light, *place;
@@ -239,7 +234,7 @@ static void punctual(void **state)
                  "\"lights\":["
                  "%s]}}",
                  cases[i].light);
-        const char *path = files_gltf("punctual.gltf", 50, nodes, grey, more);
+        const char *path = files_gltf("punctual.gltf", 50, nodes, FILES_GREY, more);
         struct rnd_scene *scene = files_load(path, NULL, NULL, (float[]){0, 0.005f, 0});
         assert_int_equal(rnd_scene_info(scene)->punctual_lights, 1);
         const double value = files_radiance(scene, "fv", 0, 20000, &aim, 30, NULL);

@@ -87,18 +87,14 @@ static void metals(void **state)
 static struct rnd_scene *under_panes(const char *nodes, const char *colour, const char *env, const float *sun)
 {
     static const struct files_part part[] = {FILES_SQUARE};
-    static const char meshes[] =
-        "{\"attributes\":{\"POSITION\":0},\"indices\":2,\"material\":0}]},{\"primitives\":["
-        "{\"attributes\":{\"POSITION\":0},\"indices\":2,\"material\":1}";
     char materials[600];
     snprintf(materials, sizeof materials,
-             "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,1],\"metallicFactor\":0},"
-             "\"extensions\":{\"KHR_materials_specular\":{\"specularFactor\":0}}},"
-             "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[%s,1],\"metallicFactor\":0,"
-             "\"roughnessFactor\":0},\"extensions\":{\"KHR_materials_transmission\":"
-             "{\"transmissionFactor\":1}}}",
+             FILES_GREY ","
+                        "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[%s,1],\"metallicFactor\":0,"
+                        "\"roughnessFactor\":0},\"extensions\":{\"KHR_materials_transmission\":"
+                        "{\"transmissionFactor\":1}}}",
              colour);
-    return files_load(files_parts("pane.gltf", meshes, nodes, materials, "", part, 3), env, sun,
+    return files_load(files_parts("pane.gltf", files_two_squares, nodes, materials, "", part, 3), env, sun,
                       (float[]){0, 0.5f, 0});
 }
 

@@ -75,7 +75,8 @@ static void first_frame(void **state)
                        ",\"animations\":[{\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":"
                        "\"rotation\"}}],\"samplers\":[{\"input\":3,\"output\":4}]}]",
                        parts, 7);
-    const struct rnd_scene_options options = {.readers = files_readers(), .path = path, .env_path = files_path("env.exr")};
+    const struct rnd_scene_options options = {
+        .readers = files_readers(), .path = path, .env_path = files_path("env.exr")};
     assert_null(rnd_scene_load(&options, error));
     assert_non_null(strstr(error, "short.gltf: animations[0].samplers[0].output: expected"));
 }
@@ -162,15 +163,13 @@ static void instances_shaded(void **state)
 {
     (void)state;
     const struct files_part *parts = square_many_times();
-    static const char grey[] =
-        "{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorFactor\":[0.5,0.5,0.5,1]},"
-        "\"extensions\":{\"KHR_materials_specular\":{\"specularFactor\":0}}}",
-                      twice[] =
-                          "{\"children\":[1,2]},{\"mesh\":0,\"translation\":[0,-1,0],\"scale\":[3,1,3]},"
-                          "{\"mesh\":0,\"translation\":[0,-9,0]}";
+    static const char twice[] =
+        "{\"children\":[1,2]},{\"mesh\":0,\"translation\":[0,-1,0],\"scale\":[3,1,3]},"
+        "{\"mesh\":0,\"translation\":[0,-9,0]}";
     const struct rnd_aim down = files_aim(0, -1, 0);
-    struct rnd_scene *scene = files_load(files_parts("grey.gltf", files_primitive, twice, grey, "", parts, 3),
-                                         files_env("env.exr", 1), NULL, (float[]){0, 0, 0});
+    struct rnd_scene *scene =
+        files_load(files_parts("grey.gltf", files_primitive, twice, FILES_GREY, "", parts, 3),
+                   files_env("env.exr", 1), NULL, (float[]){0, 0, 0});
     assert_int_equal(scene->instance_count, 2);
     assert_float_equal(files_radiance(scene, "fv", 0, 40000, &down, 20, NULL), 0.5, 0.01);
     rnd_scene_destroy(scene);
@@ -279,7 +278,8 @@ static void shared_light(void **state)
                  ",\"cameras\":[{\"type\":\"perspective\"}],"
                  "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[%s]}}",
                  lights[i]);
-        const struct rnd_scene_options options = {.readers = files_readers(), .path = files_gltf("lamps.gltf", 1, nodes, "{}", more)};
+        const struct rnd_scene_options options = {.readers = files_readers(),
+                                                  .path = files_gltf("lamps.gltf", 1, nodes, "{}", more)};
         struct rnd_scene *scene = rnd_scene_load(&options, error);
         if (wrong[i]) {
             assert_null(scene);

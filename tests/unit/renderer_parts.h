@@ -64,6 +64,16 @@ static const uint16_t files_two[6] = {0, 1, 2, 0, 2, 3};
         files_two, sizeof files_two, "\"componentType\":5123,\"count\":6,\"type\":\"SCALAR\""                \
     }
 
+/* A diffuse material of albedo 1/2. */
+#define FILES_GREY                                                                                           \
+    "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,1],\"metallicFactor\":0},"                  \
+    "\"extensions\":{\"KHR_materials_specular\":{\"specularFactor\":0}}}"
+
+/* Primitives of two meshes that are the square: of the first material, and of the second. */
+static const char files_two_squares[] =
+    "{\"attributes\":{\"POSITION\":0},\"indices\":2,\"material\":0}]},{\"primitives\":["
+    "{\"attributes\":{\"POSITION\":0},\"indices\":2,\"material\":1}";
+
 static const char files_primitive[] =
     "{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},\"indices\":2,\"material\":0}";
 
