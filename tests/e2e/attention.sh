@@ -3,7 +3,7 @@
 . "$(dirname "$0")/common.sh"
 make_room
 export XDG_STATE_HOME="$place/state"
-small="--scene room.obj --size 256x128"
+small="--scene room.obj --size 256x128 --bounces 1" # the picture matters little
 
 # field KEY FILE: the text of that key in a JSON file; pair: its two numbers.
 field() { sed -n "s/.*\"$1\": \"\(.*\)\".*/\1/p" "$2"; }
