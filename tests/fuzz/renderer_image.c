@@ -8,18 +8,12 @@
 
 #include "scene/image_io.h"
 
+#include "../sanitized.h"
+
 #include <math.h>
 #include <sys/resource.h>
 
 enum { ROOM = 512 << 20 }; /* bytes */
-
-#if defined(__SANITIZE_ADDRESS__)
-#define HAS_SANITIZER 1
-#elif defined(__has_feature)
-#define HAS_SANITIZER __has_feature(address_sanitizer)
-#else
-#define HAS_SANITIZER 0
-#endif
 
 /* A limit of addresses is not for sanitizers, which take all of them. What libraries have allocated when they
  * meet the end of a picture, and leave by longjmp(), is lost (OpenImageIO 2.4.7, libpng): not a fault of
@@ -35,7 +29,7 @@ static void limit(void)
     struct rlimit addresses = {ROOM, RLIM_INFINITY};
     long pages = 0;
     FILE *statm = fopen("/proc/self/statm", "r");
-    if (HAS_SANITIZER || !statm || fscanf(statm, "%ld", &pages) != 1) abort();
+    if (SANITIZED || !statm || fscanf(statm, "%ld", &pages) != 1) abort();
     fclose(statm);
     addresses.rlim_cur += (rlim_t)pages * 4096;
     if (setrlimit(RLIMIT_AS, &addresses) != 0) abort();
@@ -64,7 +58,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     struct rnd_pixels pixels;
     char error[256] = "";
     if (size < 2) return 0;
-    if (!limited && !HAS_SANITIZER) limit();
+    if (!limited && !SANITIZED) limit();
     limited = true;
     const enum rnd_pixels_use use = (enum rnd_pixels_use)(data[0] >> 3 & 3);
     const bool want_bytes = data[0] & 32;
@@ -82,7 +76,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 
 int main(void)
 {
-    return fuzz_run_corpus(CORPUS, HAS_SANITIZER ? 300 : 20000);
+    return fuzz_run_corpus(CORPUS, SANITIZED ? 300 : 20000);
 }
 
 #endif

@@ -5,6 +5,8 @@
  * is a file as it is. See fuzz.h; for one format, give libFuzzer a corpus of its logs alone. */
 #include "fuzz.h"
 
+#include "../sanitized.h"
+
 #include "log/own.h"
 #include "tracker.h"
 
@@ -100,7 +102,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 
 int main(void)
 {
-    return fuzz_run_corpus(CORPUS, 40000);
+    return fuzz_run_corpus(CORPUS, SANITIZED ? 20000 : 40000);
 }
 
 #endif

@@ -27,8 +27,9 @@ static const struct case_of_bsdf bent[] = {
 };
 enum { CASES = sizeof cases / sizeof *cases };
 
+/* From the normal. Where a sanitizer looks, the second is enough. */
 static const double angles[] = {0, 30, 60, 85};
-enum { ANGLES = sizeof angles / sizeof *angles };
+enum { ANGLES = sizeof angles / sizeof *angles, ANGLE = SANITIZED, ANGLE_STEP = SANITIZED ? ANGLES : 1 };
 
 /* Places a cell that a quadrature takes along the azimuth: a grazing lobe is narrow across. */
 static int azimuth_parts(double angle_deg)
@@ -40,7 +41,7 @@ static void draws_follow_density(void **state)
 {
     (void)state;
     for (int c = 0; c < CASES; c++)
-        for (int a = 0; a < ANGLES; a++) {
+        for (int a = ANGLE; a < ANGLES; a += ANGLE_STEP) {
             const double sum = assert_draws_follow_density(&cases[c], angles[a], 32, azimuth_parts(angles[a]),
                                                            (uint32_t)(c * ANGLES + a));
             if (cases[c].kind == RND_DIFFUSE || angles[a] == 0)
@@ -56,7 +57,7 @@ static void bent_normals(void **state)
     for (uint32_t k = 0; k < sizeof bent / sizeof *bent; k++)
         for (uint32_t a = 0; a < 2; a++)
             assert_draws_follow_density(&bent[k], 25.0 * a, 32, 32, 200 + 2 * k + a);
-    for (int roughness = 0; roughness <= 10; roughness++)
+    for (int roughness = 0; roughness <= 10; roughness += SANITIZED ? 5 : 1)
         for (int bend = 0; bend <= 80; bend += 20) {
             const struct case_of_bsdf metal = {.name = "metal, bent",
                                                .kind = RND_METAL_ROUGH,
@@ -86,7 +87,7 @@ static void weights(void **state)
 {
     (void)state;
     for (int c = 0; c < CASES; c++)
-        for (int a = 0; a < ANGLES; a++) {
+        for (int a = ANGLE; a < ANGLES; a += ANGLE_STEP) {
             struct rnd_material material;
             struct rnd_surface s;
             make(&cases[c], 1.0f, &material, &s);

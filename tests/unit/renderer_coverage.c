@@ -13,7 +13,7 @@ static void assert_seen(const char *material, double left, double right, double 
     scene = files_load(files_path("m.gltf"), files_path("env.exr"), NULL, (float[]){0, 1, 0});
     for (int i = 0; i < 2; i++)
         assert_float_equal(files_radiance(scene, "fv", 0, 40000, &aims[i], 8, NULL), i ? right : left,
-                           tolerance);
+                           files_off(tolerance));
     rnd_scene_destroy(scene);
 }
 
@@ -46,7 +46,7 @@ static void coverage_of_shadows(void **state)
                  "v 99 1 99\nv 99 1 -99\nusemtl floor\nf 1 2 3 4\nusemtl sheet\nf 5 6 7 8\n");
     struct rnd_scene *scene = files_load(path, files_env("env.exr", 1), NULL, (float[]){0, 0, 0});
     const struct rnd_aim down = files_aim(0, -1, 0);
-    assert_float_equal(files_radiance(scene, "fv", 0, 100000, &down, 30, NULL), 0.5 * 0.7, 0.01);
+    assert_float_equal(files_radiance(scene, "fv", 0, 100000, &down, 30, NULL), 0.5 * 0.7, files_off(0.01));
     rnd_scene_destroy(scene);
 }
 
@@ -121,7 +121,7 @@ static void nearest(void **state)
             /* the cover of a white surface under a sky of 1/2 is no matter, and its emission is that of one
              */
             const double dark = i == 3 ? 0.5 : 0, mixed = i == 3 ? 0.5 : 0.25;
-            if (!(fabs(seen - (filter == 9728 ? dark : mixed)) < 0.02))
+            if (!(fabs(seen - (filter == 9728 ? dark : mixed)) < files_off(0.02)))
                 fail_msg("material %d, filter %d: %g", i, filter, seen);
             rnd_scene_destroy(scene);
         }

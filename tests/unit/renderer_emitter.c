@@ -127,7 +127,7 @@ static double check(const char *what, const char *path, double expected)
                   other, both, deviation);
     rnd_scene_destroy(scene);
     assert_true(fabs(one - other) <= 4.0 * error + 1e-6);
-    assert_true(fabs(one - both) <= 4.0 * mean_error(&lights) + 0.005 * one);
+    assert_true(fabs(one - both) <= 4.0 * mean_error(&lights) + files_off(0.005) * one);
     if (expected >= 0.0) assert_true(fabs(one - expected) <= 4.0 * mean_error(&lights) + 1e-6);
     return deviation;
 }

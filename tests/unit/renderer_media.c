@@ -129,7 +129,7 @@ static void furnaces(void **state)
                 const double mean =
                     files_radiance(scene, r || !e ? "od" : "fv", 0, 70000, &aim, r || !e ? 180 : 20, NULL);
                 print_message("%-36s roughness %.2f, eye %d: %.4f\n", worlds[k].name, roughness[r], e, mean);
-                wrong += !(fabs(mean - 1) < 0.01);
+                wrong += !(fabs(mean - 1) < files_off(0.01));
                 rnd_scene_destroy(scene);
             }
     assert_int_equal(wrong, 0);

@@ -13,7 +13,7 @@
 static inline void assert_within(const char *what, double value, double expected, double relative)
 {
     print_message("%-52s %.5f of %.5f: %+.3f %%\n", what, value, expected, 100.0 * (value / expected - 1.0));
-    assert_true(fabs(value / expected - 1.0) < relative);
+    assert_true(fabs(value / expected - 1.0) < files_off(relative));
 }
 
 /* A picture of any channels: as rnd_pixels_write(), to a path. */

@@ -1,0 +1,17 @@
+/* Whether this is a build with a sanitizer. Sanitizers look at what code does, not at how often: tests that
+ * draw or trace many times for the sake of a mean do so less often there, and hold the mean to less. */
+#ifndef FOVEAD_TESTS_SANITIZED_H
+#define FOVEAD_TESTS_SANITIZED_H
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define SANITIZED 1
+#endif
+#endif
+#ifndef SANITIZED
+#define SANITIZED 0
+#endif
+
+#endif
