@@ -7,10 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
-static const struct rnd_metric *const table[] = {
-    &rnd_metric_hdr_flip,      &rnd_metric_ldr_flip, &rnd_metric_relative_mse,
-    &rnd_metric_relative_rmse, &rnd_metric_psnr,
-};
+#define ROW(name) &rnd_metric_##name,
+static const struct rnd_metric *const table[] = {RND_METRICS(ROW)};
 
 const struct rnd_metric *rnd_metric_at(size_t index)
 {

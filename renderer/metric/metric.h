@@ -1,14 +1,14 @@
-/* One file a metric; the table of them is in metric.c. */
+/* One file a metric. */
 #ifndef FOVEAD_RENDERER_METRIC_H
 #define FOVEAD_RENDERER_METRIC_H
 
 #include "renderer.h"
 
-extern const struct rnd_metric rnd_metric_hdr_flip;
-extern const struct rnd_metric rnd_metric_ldr_flip;
-extern const struct rnd_metric rnd_metric_psnr;
-extern const struct rnd_metric rnd_metric_relative_mse;
-extern const struct rnd_metric rnd_metric_relative_rmse;
+/* The table of metrics, in the order in which they are shown. Another one is a file, and a line here. */
+#define RND_METRICS(row) row(hdr_flip) row(ldr_flip) row(relative_mse) row(relative_rmse) row(psnr)
+
+#define RND_METRIC_DECLARE(name) extern const struct rnd_metric rnd_metric_##name;
+RND_METRICS(RND_METRIC_DECLARE)
 
 /* How much pixel i of a pair counts. */
 static inline double rnd_pair_weight(const struct rnd_pair *pair, size_t i)
