@@ -1,8 +1,8 @@
 /* Reading an environment map. */
 #include "import/environment.h"
+#include "import/pictures.h"
 #include "light/env.h"
 #include "math/large_pages.h"
-#include "scene/image_reader.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 // OpenImageIO behind image_io.h. Nothing is thrown across the boundary, and nothing else is done here.
 #include "scene/image_io.h"
-#include "scene/open_file.h"
+#include "import/open_file.h"
 #include "math/srgb.h"
 
 #include <OpenImageIO/filesystem.h>

@@ -10,7 +10,7 @@
 #define FOVEAD_RENDERER_IMAGE_READER_H
 
 #include "scene/image_io.h"
-#include "scene/reader.h"
+#include "import/reader.h"
 
 enum rnd_image_packet {
     RND_IMAGE_COPY,    /* to the program: struct rnd_reader_limits, and the copy's end of a socket */

@@ -8,8 +8,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-struct rnd_scene;
-
 struct rnd_record {
     uint32_t normal[3];  /* of the corners, octahedral: 16 bits each of two coordinates */
     float uv[3][2];      /* of the corners, first set; 0 if the mesh has none */
@@ -20,9 +18,6 @@ struct rnd_record {
 };
 
 _Static_assert(sizeof(struct rnd_record) == 64, "a record is a line of the cache");
-
-/* Make the records of all meshes, in the order of the meshes. False if memory is short. */
-bool rnd_records_build(struct rnd_scene *scene);
 
 /* Octahedral encoding (Meyer et al. 2010): good to 5e-5 rad. */
 RND_INLINE uint32_t rnd_octahedral(struct rnd_v3 n)

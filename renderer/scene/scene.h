@@ -185,38 +185,14 @@ struct rnd_scene {
     atomic_bool cancelled; /* nobody wants the textures any more */
 };
 
-/* parts.c: free its arrays. */
+/* Free its arrays. */
 void rnd_mesh_finish(struct rnd_mesh *mesh);
 
-/* load.c: geometry, materials, textures and punctual lights of a file. */
-bool rnd_import(struct rnd_scene *scene, const char *path, char out_error[RND_ERROR_SIZE]);
-/* read_scene.c: the same, by fovead-reader, which is not believed. False and a line in out_error. */
-bool rnd_scene_read(struct rnd_scene *scene, const struct rnd_scene_options *options,
-                    char out_error[RND_ERROR_SIZE]);
-
-/* parts.c: add a name to the list of what is asked for and not done, once. */
+/* Add a name to the list of what is asked for and not done, once. */
 void rnd_scene_unsupported(struct rnd_scene *scene, const char *name);
 
-/* parts.c: add a line, without its end. */
+/* Add a line, without its end. */
 void rnd_warn(struct rnd_warnings *warnings, const char *format, ...) __attribute__((format(printf, 2, 3)));
-
-struct rnd_image_reader;
-
-/* scene.c: a reader of pictures for the scene; the caller finishes it. */
-struct rnd_image_reader rnd_scene_reader(const struct rnd_scene *scene);
-
-/* import.c: index of the texture of this path (or of bytes in memory, named by path), which is read later
- * and once. -1 and a line in out_error if memory is short. */
-int rnd_texture_add(struct rnd_scene *scene, const char *path, const void *memory, size_t count,
-                    enum rnd_pixels_use use, char out_error[RND_ERROR_SIZE]);
-/* Read those that were added and not read yet: all, or those that are marked as first. Those that cannot be
- * read say why in their error. All together take 2 GiB at most, and the largest do without their finest
- * levels. */
-void rnd_textures_load(struct rnd_scene *scene, bool first);
-/* Take images that cannot be read from the scene's materials, with a warning of each file. */
-void rnd_textures_drop_unread(struct rnd_scene *scene, struct rnd_warnings *warnings);
-/* Tell what they take. */
-void rnd_textures_sum(struct rnd_scene *scene);
 
 /* The mesh that Embree hit: geometry ids of the tree are meshes, and from mesh_count on instances. Returns
  * the instance that it was hit through, or NULL for a mesh in the world; then Embree's normal is in the

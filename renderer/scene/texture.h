@@ -46,10 +46,6 @@ struct rnd_texel {
     float r, g, b, a; /* linear */
 };
 
-struct rnd_image_reader;
-
-/* Read the file, and make the mipmaps. False on failure; texture->error says why. */
-bool rnd_texture_load(struct rnd_texture *texture, struct rnd_image_reader *reader);
 void rnd_texture_finish(struct rnd_texture *texture);
 
 /* A texture coordinate brought into [0, 1]. */

@@ -6,7 +6,9 @@
 #include "fuzz.h"
 #include "scene_check.h"
 
-#include "scene/flat.h"
+#include "import/flat_put.h"
+#include "import/flat_take.h"
+#include "import/formats.h"
 
 #include <sys/mman.h>
 #include <unistd.h>

@@ -1,8 +1,11 @@
 /* Fuzzing of the glTF reader: any bytes either are a scene whose parts hold together, or one line of error.
  *
- * As a test of its own it starts from the small files in corpus/gltf and spoils their bytes and their numbers. See fuzz.h. */
+ * As a test of its own it starts from the small files in corpus/gltf and spoils their bytes and their
+ * numbers. See fuzz.h. */
 #include "fuzz.h"
 #include "scene_check.h"
+
+#include "import/formats.h"
 
 #include <unistd.h>
 

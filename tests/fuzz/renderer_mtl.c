@@ -5,7 +5,7 @@
  * See fuzz.h. */
 #include "fuzz.h"
 
-#include "scene/mtl_file.h"
+#include "import/mtl_file.h"
 #include "scene/scene.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
 #ifndef FOVEAD_TEST_SCENE_CHECK_H
 #define FOVEAD_TEST_SCENE_CHECK_H
 
-#include "scene/import.h"
+#include "import/import.h"
 
 #include <stdlib.h>
 

@@ -2,6 +2,7 @@
  * a scene that is not wanted any more. */
 #include "renderer_files.h"
 
+#include "import/textures.h"
 #include "scene/image_reader.h"
 #include "scene/scene.h"
 

@@ -1,0 +1,151 @@
+/* The lines of OBJ and MTL that assimp's materials do not tell of. */
+#include "import/mtl_file.h"
+#include "import/open_file.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+static const char blanks[] = " \t\r\n";
+
+/* The line's first word, and what is behind it, without blanks around. */
+static char *split(char *line, char **out_rest)
+{
+    char *word = line + strspn(line, blanks), *end = word + strcspn(word, blanks);
+    char *rest = end + strspn(end, blanks);
+    *end = 0;
+    for (size_t n = strlen(rest); n > 0 && strchr(blanks, rest[n - 1]); n--) rest[n - 1] = 0;
+    *out_rest = rest;
+    return word;
+}
+
+static bool add_material(struct rnd_mtl_file *file, const char *name)
+{
+    struct rnd_mtl_material *grown = realloc(file->material, ((size_t)file->count + 1) * sizeof *grown);
+    if (!grown) return false;
+    file->material = grown;
+    struct rnd_mtl_material *m = &grown[file->count];
+    *m = (struct rnd_mtl_material){
+        .name = strdup(name), .library = file->libraries - 1, .pr = -1.0f, .pm = -1.0f, .bump = 1.0f};
+    for (int k = 0; k < RND_MTL_MAPS; k++) m->scale[k][0] = m->scale[k][1] = 1.0f;
+    file->count += m->name != NULL;
+    return m->name;
+}
+
+/* Read up to three numbers behind an option; the first two go to out. Returns what follows them. */
+static char *numbers(char *at, float out[2])
+{
+    for (int k = 0; k < 3; k++) {
+        char *end;
+        const float value = strtof(at, &end);
+        if (end == at || (*end && !strchr(blanks, *end))) break;
+        if (k < 2 && value > -1e6f && value < 1e6f) out[k] = value;
+        at = end;
+    }
+    return at;
+}
+
+/* The options of a map: -s u v w, -o u v w, -bm number. */
+static void take_options(struct rnd_mtl_material *m, enum rnd_mtl_map map, char *rest)
+{
+    while (*rest == '-') {
+        char *value = rest + strcspn(rest, blanks);
+        const size_t length = (size_t)(value - rest);
+        float multiplier[2] = {1.0f, 1.0f};
+        if (length == 2 && rest[1] == 's')
+            rest = numbers(value, m->scale[map]);
+        else if (length == 2 && rest[1] == 'o')
+            rest = numbers(value, m->offset[map]);
+        else if (length == 3 && strncasecmp(rest, "-bm", 3) == 0) {
+            rest = numbers(value, multiplier);
+            if (map == RND_MTL_NORMAL) m->bump = multiplier[0];
+        } else { /* an option that is left out: its numbers, or one word */
+            rest = numbers(value, multiplier);
+            if (rest == value) rest += strspn(rest, blanks), rest += strcspn(rest, blanks);
+        }
+        rest += strspn(rest, blanks);
+    }
+}
+
+static void take_key(struct rnd_mtl_material *m, const char *key, char *rest)
+{
+    static const struct {
+        const char *key;
+        enum rnd_mtl_map map;
+    } maps[] = {{"map_Kd", RND_MTL_KD},       {"map_Ks", RND_MTL_KS}, {"map_Ke", RND_MTL_KE},
+                {"map_emissive", RND_MTL_KE}, {"map_d", RND_MTL_D},   {"norm", RND_MTL_NORMAL},
+                {"map_Kn", RND_MTL_NORMAL}};
+    if (strcmp(key, "Kd") == 0) m->has_kd = true;
+    if (strcmp(key, "Pr") == 0) m->pr = strtof(rest, NULL);
+    if (strcmp(key, "Pm") == 0) m->pm = strtof(rest, NULL);
+    if (strcasecmp(key, "map_Pr") == 0 || strcasecmp(key, "map_Pm") == 0) m->has_pbr_maps = true;
+    for (size_t k = 0; k < sizeof maps / sizeof *maps; k++)
+        if (strcasecmp(key, maps[k].key) == 0) take_options(m, maps[k].map, rest);
+}
+
+static bool read_library(struct rnd_mtl_file *file, const char *obj, const char *directory, const char *name,
+                         struct rnd_warnings *warnings)
+{
+    char path[RND_PATH_SIZE], *line = NULL, *rest;
+    const char *why;
+    size_t room = 0;
+    if (!rnd_find_file(directory, name, false, path)) { /* assimp has gone on without it */
+        rnd_warn(warnings, "%.200s: mtllib %.200s: %s; its materials are left out", obj, name,
+                 rnd_why_not_found(path));
+        return true;
+    }
+    FILE *from = rnd_open_file(path, &why);
+    void *grown = realloc(file->directory, ((size_t)file->libraries + 1) * sizeof *file->directory);
+    bool ok = grown != NULL;
+    if (grown) file->directory = grown;
+    if (ok && from) {
+        char *own = file->directory[file->libraries++], *slash = strrchr(path, '/');
+        memcpy(own, path, sizeof path);
+        own[slash ? slash + 1 - path : 0] = 0;
+    }
+    while (ok && from && getline(&line, &room, from) >= 0) {
+        const char *key = split(line, &rest);
+        if (strcmp(key, "newmtl") == 0)
+            ok = add_material(file, rest);
+        else if (file->count > 0 && file->material[file->count - 1].library == file->libraries - 1)
+            take_key(&file->material[file->count - 1], key, rest);
+    }
+    free(line);
+    if (from) fclose(from);
+    return ok;
+}
+
+bool rnd_mtl_file_read(struct rnd_mtl_file *file, const char *path, const char *directory,
+                       struct rnd_warnings *warnings)
+{
+    const char *dot = strrchr(path, '.');
+    char *line = NULL, *rest;
+    size_t room = 0;
+    bool ok = true;
+    *file = (struct rnd_mtl_file){0};
+    if (!dot || strcasecmp(dot, ".obj") != 0) return true;
+    const char *why;
+    FILE *from = rnd_open_file(path, &why);
+    while (from && ok && getline(&line, &room, from) >= 0)
+        if (strncmp(line + strspn(line, blanks), "mtllib", 6) == 0 &&
+            strcmp(split(line, &rest), "mtllib") == 0)
+            ok = read_library(file, path, directory, rest, warnings);
+    free(line);
+    if (from) fclose(from);
+    return ok;
+}
+
+void rnd_mtl_file_finish(struct rnd_mtl_file *file)
+{
+    for (int i = 0; i < file->count; i++) free(file->material[i].name);
+    free(file->material);
+    free(file->directory);
+}
+
+const struct rnd_mtl_material *rnd_mtl_file_find(const struct rnd_mtl_file *file, const char *name)
+{
+    for (int i = file->count; i > 0; i--)
+        if (strcmp(file->material[i - 1].name, name) == 0) return &file->material[i - 1];
+    return NULL;
+}

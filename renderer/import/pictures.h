@@ -1,0 +1,17 @@
+/* A reader of pictures for a scene. */
+#ifndef FOVEAD_RENDERER_PICTURES_H
+#define FOVEAD_RENDERER_PICTURES_H
+
+#include "scene/image_reader.h"
+#include "scene/scene.h"
+
+/* The caller finishes it. */
+static inline struct rnd_image_reader rnd_scene_reader(const struct rnd_scene *scene)
+{
+    return (struct rnd_image_reader){.readers = scene->readers,
+                                     .limits = {scene->reader_mib, scene->reader_seconds},
+                                     .cancel = {&scene->cancelled, scene->cancel},
+                                     .socket = -1};
+}
+
+#endif

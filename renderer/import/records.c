@@ -1,0 +1,77 @@
+/* Records of triangles: made once, after import, from the meshes' own arrays. */
+#include "import/records.h"
+#include "math/large_pages.h"
+
+#include <stdlib.h>
+
+static struct rnd_v3 corner(const float *attribute, uint32_t i)
+{
+    return rnd_v3(attribute[3 * (size_t)i], attribute[3 * (size_t)i + 1], attribute[3 * (size_t)i + 2]);
+}
+
+static uint32_t colour(const float *rgba)
+{
+    uint32_t code = 0;
+    for (int c = 0; c < 3; c++) {
+        const float value = sqrtf(fmaxf(0.0f, fminf(rgba[c], 1.0f)));
+        code |= (uint32_t)(value * 1023.0f + 0.5f) << 10 * c;
+    }
+    return code;
+}
+
+/* Texture coordinates: how dense they are, and which way they run over the triangle. */
+static void make_uv(struct rnd_record *record, const float *uv, const uint32_t index[3], struct rnd_v3 e1,
+                    struct rnd_v3 e2, struct rnd_v3 normal)
+{
+    for (int k = 0; k < 3; k++)
+        for (int c = 0; c < 2; c++) record->uv[k][c] = uv[2 * (size_t)index[k] + c];
+    const float u1 = record->uv[1][0] - record->uv[0][0], v1 = record->uv[1][1] - record->uv[0][1],
+                u2 = record->uv[2][0] - record->uv[0][0], v2 = record->uv[2][1] - record->uv[0][1];
+    const float area = u1 * v2 - u2 * v1, world = sqrtf(rnd_v3_dot(normal, normal));
+    if (area == 0.0f || !(world > 0.0f)) return;
+    record->lod = 0.5f * log2f(fabsf(area) / world);
+    /* (e1, e2) = (T, B) ((u1, u2), (v1, v2)), solved for T; only its direction counts. */
+    const struct rnd_v3 along =
+        rnd_v3_scale(rnd_v3_sub(rnd_v3_scale(e1, v2), rnd_v3_scale(e2, v1)), area > 0.0f ? 1.0f : -1.0f);
+    for (int k = 0; k < 3; k++) record->tangent[k] = (rnd_octahedral(along) & ~1u) | (area < 0.0f);
+}
+
+/* The file's own, whose w is the side of the bitangent: up the picture, against v. */
+static void take_tangents(struct rnd_record *record, const float *tangent, const uint32_t index[3])
+{
+    for (int k = 0; k < 3; k++) {
+        const float *t = tangent + 4 * (size_t)index[k];
+        record->tangent[k] = (rnd_octahedral(rnd_v3(t[0], t[1], t[2])) & ~1u) | (t[3] > 0.0f);
+    }
+}
+
+static void make(const struct rnd_mesh *mesh, uint32_t triangle, struct rnd_record *record)
+{
+    const uint32_t *index = mesh->index[triangle];
+    const struct rnd_v3 a = corner(mesh->position, index[0]);
+    const struct rnd_v3 e1 = rnd_v3_sub(corner(mesh->position, index[1]), a),
+                        e2 = rnd_v3_sub(corner(mesh->position, index[2]), a), normal = rnd_v3_cross(e1, e2);
+    *record = (struct rnd_record){.lod = -64.0f}; /* no texture coordinates: the coarsest level is right */
+    for (int k = 0; k < 3; k++) {
+        record->normal[k] = rnd_octahedral(mesh->normal ? corner(mesh->normal, index[k]) : normal);
+        record->colour[k] = mesh->colour ? colour(mesh->colour + 4 * (size_t)index[k]) : UINT32_MAX;
+    }
+    if (mesh->uv[0]) make_uv(record, mesh->uv[0], index, e1, e2, normal);
+    if (mesh->tangent) take_tangents(record, mesh->tangent, index);
+}
+
+bool rnd_records_build(struct rnd_scene *scene)
+{
+    uint64_t count = 0;
+    for (uint32_t m = 0; m < scene->mesh_count; m++) {
+        scene->mesh[m].first_record = count;
+        count += scene->mesh[m].triangles;
+    }
+    scene->record = aligned_alloc(64, (count + 1) * sizeof *scene->record);
+    if (!scene->record) return false;
+    rnd_use_large_pages(scene->record, count * sizeof *scene->record);
+    for (uint32_t m = 0; m < scene->mesh_count; m++)
+        for (uint32_t t = 0; t < scene->mesh[m].triangles; t++)
+            make(&scene->mesh[m], t, &scene->record[scene->mesh[m].first_record + t]);
+    return true;
+}
