@@ -156,12 +156,12 @@ static bool clock_is_real(const void *values)
 
 static bool mode_is_foveated(const void *values)
 {
-    return !strncmp(((const struct dmn_options *)values)->render.distribution->name, "fv", 2);
+    return ((const struct dmn_options *)values)->render.distribution->is_foveated;
 }
 
 static bool mode_has_viewport(const void *values)
 {
-    return !strcmp(((const struct dmn_options *)values)->render.distribution->name, "vp");
+    return ((const struct dmn_options *)values)->render.distribution->has_viewport;
 }
 
 /* --- the rows ---------------------------------------------------------------------------------------- */
@@ -397,11 +397,11 @@ static bool check_end(const struct dmn_options *out)
 {
     const struct trk_source_kind *kind = kind_of(out);
     const bool endless = out->loop || (kind && !kind->ends);
-    const char *mode = out->render.distribution->name;
 
-    if (out->until.kind == DMN_UNTIL_CONVERGED && strcmp(mode, "od"))
-        return dmn_option_refuse(
-            &SET, "--until converged needs --mode od: %s leaves parts of the sphere aside", mode);
+    if (out->until.kind == DMN_UNTIL_CONVERGED && !out->render.distribution->covers_sphere)
+        return dmn_option_refuse(&SET,
+                                 "--until converged needs --mode od: %s leaves parts of the sphere aside",
+                                 out->render.distribution->name);
     if (out->until.kind == DMN_UNTIL_END && endless)
         return dmn_option_refuse(&SET, "%s has no end to wait for: use another --until",
                                  out->loop ? "--loop" : out->gaze);

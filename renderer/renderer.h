@@ -122,6 +122,9 @@ struct rnd_distribution {
     const char *name;    /* as an option names it */
     const char *summary; /* half a line */
     const char *source;  /* author, year, equation */
+    bool is_foveated;    /* follows the eye's acuity: heeds an aim's spread and pixels_per_degree */
+    bool has_viewport;   /* heeds an aim's view and fov */
+    bool covers_sphere;  /* its density is nowhere 0, so that every tile converges */
     /* Fill out (count x 3, unit vectors, world) from u (count x 2, in [0,1)). */
     void (*sample)(const struct rnd_aim *aim, size_t count, const float *u, float *out);
     /* Density per steradian at a unit direction; integrates to one over the sphere. */

@@ -165,6 +165,7 @@ const struct rnd_distribution rnd_distribution_fv = {
     .name = "fv",
     .summary = "by visual acuity around the gaze, published polynomial",
     .source = "Koskela 2018, eq. 7",
+    .is_foveated = true,
     .sample = polynomial_sample,
     .density = polynomial_density,
 };
@@ -173,6 +174,7 @@ const struct rnd_distribution rnd_distribution_fv_exact = {
     .name = "fv-exact",
     .summary = "by visual acuity around the gaze, exact inverse",
     .source = "Koskela 2018, eq. 2 and 5",
+    .is_foveated = true,
     .sample = exact_sample,
     .density = exact_density,
 };

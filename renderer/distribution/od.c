@@ -25,6 +25,7 @@ const struct rnd_distribution rnd_distribution_od = {
     .name = "od",
     .summary = "uniform in the equirectangular image",
     .source = "Koskela 2018, section 4.1: omnidirectional preview",
+    .covers_sphere = true,
     .sample = od_sample,
     .density = od_density,
 };

@@ -69,6 +69,7 @@ const struct rnd_distribution rnd_distribution_vp = {
     .name = "vp",
     .summary = "uniform over the solid angle of the viewport",
     .source = "Koskela 2018, section 4.1: viewport preview",
+    .has_viewport = true,
     .sample = vp_sample,
     .density = vp_density,
 };

@@ -451,9 +451,37 @@ static void table(void **state)
     assert_null(rnd_distribution_find(""));
 }
 
+/* What a row says of itself is what its density does. */
+static void rows_say_what_they_do(void **state)
+{
+    (void)state;
+    const struct rnd_distribution *d;
+    for (size_t k = 0; (d = rnd_distribution_at(k)) != NULL; k++) {
+        const struct rnd_aim aim = {.gaze = {0, 0, -1}, .view = {0, 0, 0, 1}, .fov = {1.5f, 1.5f}};
+        struct rnd_aim turned = aim, wide = aim;
+        turned.view[1] = turned.view[3] = 0.70710678f;
+        wide.spread = 3;
+        bool zero = false, by_view = false, by_spread = false;
+        for (int y = 0; y < 32; y++)
+            for (int x = 0; x < 64; x++) {
+                float direction[3];
+                rnd_direction(((float)x + 0.5f) / 32 * (float)M_PI,
+                              (((float)y + 0.5f) / 32 - 0.5f) * (float)M_PI, direction);
+                const float density = d->density(&aim, direction);
+                zero |= density == 0.0f;
+                by_view |= d->density(&turned, direction) != density;
+                by_spread |= d->density(&wide, direction) != density;
+            }
+        assert_int_equal(d->covers_sphere, !zero);
+        assert_int_equal(d->has_viewport, by_view);
+        assert_int_equal(d->is_foveated, by_spread);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rows_say_what_they_do),
         cmocka_unit_test(acuity),
         cmocka_unit_test(exact_inverse),
         cmocka_unit_test(polynomial_fit),
