@@ -153,8 +153,8 @@ struct trk_rate {
     double hz;          /* 0: there are fewer than two samples, or no time passes */
     uint64_t step_ns;   /* mean of the steps that are not gaps */
     uint64_t median_ns; /* of all steps: says little where they are uneven */
-    size_t
-        gaps; /* steps of more than TRK_GAP_STEPS times step_ns that short steps beside them do not offset */
+    /* Steps of more than TRK_GAP_STEPS times step_ns that short steps beside them do not offset. */
+    size_t gaps;
     uint64_t longest_ns; /* of the gaps */
     bool in_bursts;      /* all the time, several samples come at once */
 };
@@ -182,7 +182,7 @@ struct trk_source_kind {
     bool rests_when_silent; /* it sends samples only while gaze moves: silence is no loss */
     bool needs_real_clock;  /* its samples come from outside, in real time */
     bool ends;              /* it comes to an end, unless trk_source_options.loop is set */
-    bool waits_after_end; /* after TRK_END it waits for an eye tracker: trk_read() may deliver more samples */
+    bool waits_after_end;   /* after TRK_END it waits for an eye tracker: read on */
 };
 
 /* The kind at index, from 0; NULL after the last one. Static. */
@@ -238,8 +238,8 @@ struct trk_status {
     /* One line on what the source is, for example "replay of fixtures/hall.gaze: 2400 samples, 20.0 s, 120
      * Hz, head pose (no eye tracker found)". For a device: which one it is, or what it waits for, and why. */
     char description[TRK_ERROR_SIZE];
-    unsigned changes; /* how often description has changed */
-    double speed; /* how fast device_ns goes relative to arrival_ns: 1, or a replay's pace; 0 without pace */
+    unsigned changes;     /* how often description has changed */
+    double speed;         /* of device_ns relative to arrival_ns: 1, or a replay's pace; 0: it has no pace */
     bool is_device;       /* the samples come from an eye tracker; the rest is of it */
     bool present;         /* it is plugged in and open */
     unsigned connections; /* how often it was opened */
@@ -402,9 +402,8 @@ struct trk_recorder;
 struct trk_recorder_status {
     uint64_t written; /* samples in the file */
     uint64_t lost;    /* samples that the disk did not take, or that came while the queue was full */
-    uint64_t
-        refused;  /* samples that no log can hold: time or sequence goes back, a direction has no length */
-    bool failing; /* the last write failed; the recorder goes on trying */
+    uint64_t refused; /* samples that no log can hold: time or sequence goes back, no unit direction */
+    bool failing;     /* the last write failed; the recorder goes on trying */
     char error[TRK_ERROR_SIZE]; /* why the last failed write failed; "": none has failed */
 };
 
