@@ -265,11 +265,11 @@ static void take_up(struct dmn_edits *edits)
     struct rnd_scene_options files = edits->files;
     struct rnd_scene *scene, *former;
     char error[RND_ERROR_SIZE], line[sizeof(edits->words.line)];
-    double eye[3];
+    double camera[3];
 
-    if (dmn_painter_moved(edits->options.painter, eye)) {
+    if (dmn_painter_moved(edits->options.painter, camera)) {
         files.has_eye = true;
-        memcpy(files.eye, eye, sizeof(files.eye));
+        memcpy(files.eye, camera, sizeof(files.eye));
     }
     files.cancel = &edits->stopped;
     scene = rnd_scene_load(&files, error);

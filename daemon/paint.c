@@ -40,8 +40,8 @@ struct dmn_painter {
 
     pthread_mutex_t lock; /* of all that follows */
     struct dmn_work work; /* written by the painter's thread alone, which reads it without the lock */
-    bool due, moved;      /* a new generation is; the eye is where a client wants it */
-    double eye[3];        /* of the generation that is due, or else of the present one */
+    bool due, moved;      /* a new generation is; the camera is where a client wants it */
+    double camera[3];     /* its position in the generation that is due, or else in the present one */
     struct rnd_scene *next, *former; /* waits to be taken, or NULL; was given up for the one that was */
     pthread_cond_t changed;          /* next has been taken, or will not be any more */
 };
@@ -173,13 +173,13 @@ static bool restart(struct dmn_painter *painter)
         work->generation++;
         work->paths = work->rays = work->not_finite = 0;
         work->seconds = work->share = 0;
-        memcpy(work->eye, painter->eye, sizeof(work->eye));
+        memcpy(work->camera, painter->camera, sizeof(work->camera));
     }
     pthread_mutex_unlock(&painter->lock);
     if (!due) return false;
     painter->began_ns = dmn_now_ns();
     painter->converged = 0;
-    rnd_render_restart(painter->options.render, next ? next : painter->options.scene, work->eye);
+    rnd_render_restart(painter->options.render, next ? next : painter->options.scene, work->camera);
     if (!next) return true;
     pthread_mutex_lock(&painter->lock);
     painter->former = painter->options.scene;
@@ -215,7 +215,7 @@ static void *paint(void *argument)
             rnd_render_batch(options->render, &aim, aimed_ns, paths, &batch);
             virtual_ns += VIRTUAL_STEP_NS;
         }
-        /* what has no textures yet is never the picture that was asked for */
+        /* A picture without its textures is never the one that was asked for. */
         done = book(painter, &batch, options->virtual_clock ? virtual_ns : dmn_now_ns()) && !painter->reading;
         if (first) batch.processor_seconds = 0; /* says nothing about the batches to come */
     }
@@ -234,8 +234,8 @@ struct dmn_painter *dmn_painter_start(const struct dmn_painter_options *options)
     if (!painter) return NULL;
     painter->options = *options;
     painter->work.generation = 1;
-    memcpy(painter->eye, rnd_scene_info(options->scene)->eye, sizeof(painter->eye));
-    memcpy(painter->work.eye, painter->eye, sizeof(painter->work.eye));
+    memcpy(painter->camera, rnd_scene_info(options->scene)->eye, sizeof(painter->camera));
+    memcpy(painter->work.camera, painter->camera, sizeof(painter->work.camera));
     pthread_mutex_init(&painter->lock, NULL);
     pthread_cond_init(&painter->changed, NULL);
     painter->tiles = calloc(options->tiles, sizeof(*painter->tiles));
@@ -256,14 +256,15 @@ void dmn_painter_work(struct dmn_painter *painter, struct dmn_work *out_work)
     if (!painter->options.virtual_clock) out_work->now_ns = dmn_now_ns();
 }
 
-uint64_t dmn_painter_move(struct dmn_painter *painter, const double eye[3], bool relative, double out_eye[3])
+uint64_t dmn_painter_move(struct dmn_painter *painter, const double position[3], bool relative,
+                          double out_position[3])
 {
     uint64_t generation = 0;
 
     pthread_mutex_lock(&painter->lock);
-    for (int i = 0; i < 3; i++) out_eye[i] = eye[i] + (relative ? painter->eye[i] : 0);
-    if (dmn_eye_is_somewhere(out_eye)) {
-        memcpy(painter->eye, out_eye, sizeof(painter->eye));
+    for (int i = 0; i < 3; i++) out_position[i] = position[i] + (relative ? painter->camera[i] : 0);
+    if (dmn_eye_is_somewhere(out_position)) {
+        memcpy(painter->camera, out_position, sizeof(painter->camera));
         painter->due = painter->moved = true;
         generation = painter->work.generation + 1;
     }
@@ -271,13 +272,13 @@ uint64_t dmn_painter_move(struct dmn_painter *painter, const double eye[3], bool
     return generation;
 }
 
-bool dmn_painter_moved(struct dmn_painter *painter, double out_eye[3])
+bool dmn_painter_moved(struct dmn_painter *painter, double out_position[3])
 {
     bool moved;
 
     pthread_mutex_lock(&painter->lock);
     moved = painter->moved;
-    memcpy(out_eye, painter->eye, sizeof(painter->eye));
+    memcpy(out_position, painter->camera, sizeof(painter->camera));
     pthread_mutex_unlock(&painter->lock);
     return moved;
 }
@@ -287,7 +288,7 @@ struct rnd_scene *dmn_painter_replace(struct dmn_painter *painter, struct rnd_sc
     pthread_mutex_lock(&painter->lock);
     painter->next = scene;
     painter->due = true;
-    if (!painter->moved) memcpy(painter->eye, rnd_scene_info(scene)->eye, sizeof(painter->eye));
+    if (!painter->moved) memcpy(painter->camera, rnd_scene_info(scene)->eye, sizeof(painter->camera));
     while (painter->next && !painter->work.done) pthread_cond_wait(&painter->changed, &painter->lock);
     if (!painter->next) scene = painter->former;
     painter->next = NULL;

@@ -1,6 +1,6 @@
 /* paint: the thread that adds batch after batch of paths to the film. Between two of them it takes up what
- * has come meanwhile: another place for the eye, another scene, textures of the one it has. Each begins a new
- * generation. */
+ * has come meanwhile: another position of the camera, another scene, textures of the one that it has. Each
+ * begins a new generation. */
 #ifndef FOVEAD_DAEMON_PAINT_H
 #define FOVEAD_DAEMON_PAINT_H
 
@@ -23,11 +23,11 @@ struct dmn_painter_options {
     void *context;
 };
 
-/* How far the picture is; of the present generation, but for batches. */
+/* How much of the picture is done: in the present generation, but for batches, which are of all. */
 struct dmn_work {
     uint64_t generation; /* from 1 */
     uint64_t asked;      /* the newest one asked for: generation, or the next */
-    double eye[3];       /* m */
+    double camera[3];    /* its position, m */
     uint64_t paths, rays, batches, not_finite;
     double seconds;                              /* since it began; until painting ended, if it has */
     double paths_per_second;                     /* lately */
@@ -42,15 +42,16 @@ struct dmn_painter *dmn_painter_start(const struct dmn_painter_options *options)
 /* Any thread may ask. */
 void dmn_painter_work(struct dmn_painter *painter, struct dmn_work *out_work);
 
-/* The eye goes to a place (m), or by so much from where it is or was told to go; any thread may ask. The
- * newest of several before the next batch wins. Returns the generation that this begins, and where the eye is
- * then; 0 if that would be nowhere. */
-uint64_t dmn_painter_move(struct dmn_painter *painter, const double eye[3], bool relative, double out_eye[3]);
-/* Has the eye been moved so? Then where to. */
-bool dmn_painter_moved(struct dmn_painter *painter, double out_eye[3]);
-/* Go on with another scene, and unless it has been moved with that scene's eye. Waits until it is in use. One
- * thread at a time. Returns the scene that is not in use any more: the former one, or if painting has ended
- * the new one. */
+/* Move the camera to a position (m), or with relative by so much from where it is or was told to go. Any
+ * thread may ask; of several moves before the next batch the newest wins. Returns the generation that this
+ * begins, and the camera's position in it; 0 if there can be no camera. */
+uint64_t dmn_painter_move(struct dmn_painter *painter, const double position[3], bool relative,
+                          double out_position[3]);
+/* Has the camera been moved so? Then where to. */
+bool dmn_painter_moved(struct dmn_painter *painter, double out_position[3]);
+/* Go on with another scene, and unless the camera has been moved with that scene's camera. Waits until the
+ * scene is in use. One thread at a time. Returns the scene that is not in use any more: the former one, or if
+ * painting has ended the new one. */
 struct rnd_scene *dmn_painter_replace(struct dmn_painter *painter, struct rnd_scene *scene);
 
 /* Finish the batch under way and end the thread. */

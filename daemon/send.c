@@ -149,7 +149,7 @@ static uint8_t *stats(struct dmn_client *client, size_t *out_count)
     stats.recording_lost = gaze.lost;
     stats.recording_error = gaze.recording_error;
     stats.generation = work.generation;
-    for (int i = 0; i < 3; i++) camera[i] = (float)work.eye[i];
+    for (int i = 0; i < 3; i++) camera[i] = (float)work.camera[i];
     stats.n_eye = 3;
     stats.eye = camera;
     stats.scene = (char *)picture->scene.line;
