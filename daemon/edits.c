@@ -1,8 +1,6 @@
 /* Edits of the scene's files: seen by inotify, taken up when they have settled. */
-#include <ctype.h>
 #include <dirent.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <libgen.h>
 #include <poll.h>
 #include <pthread.h>
@@ -11,7 +9,6 @@
 #include <string.h>
 #include <sys/eventfd.h>
 #include <sys/inotify.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "edits.h"
@@ -24,15 +21,13 @@ enum {
     MOST_NAMES = 64,    /* of changed files at a time; beyond, all count */
     MOST_FOLDERS = 256,
     NAME_SIZE = 256,
-    CHUNK = 1 << 20,         /* bytes of a file that are searched at a time */
-    OVERLAP = 4 * NAME_SIZE, /* of two chunks: more than any name takes */
 };
 
 static const uint32_t EVENTS =
     IN_CLOSE_WRITE | IN_MOVED_TO | IN_CREATE | IN_DELETE_SELF | IN_MOVE_SELF | IN_ONLYDIR;
 
 struct dmn_edits {
-    struct rnd_scene_options files;
+    struct rnd_scene_options scene;
     struct dmn_edits_options options;
     char folder[4096], name[NAME_SIZE];         /* of the scene */
     char env_folder[4096], env_name[NAME_SIZE]; /* of its environment map; "": none */
@@ -42,6 +37,9 @@ struct dmn_edits {
     bool started;
     atomic_bool
         stopped; /* set under the lock: nothing is taken up, no scene wanted and nobody woken any more */
+
+    char *files; /* that the scene in use names: files_bytes bytes of paths, each with its NUL */
+    size_t files_bytes;
 
     /* What has changed since the last time. */
     bool dirty;                          /* the scene, certainly */
@@ -55,109 +53,40 @@ struct dmn_edits {
 
 /* --- which changes count --- */
 
-/* Is a letter of a longer name there, so that this is only a part of it? */
-static bool goes_on(unsigned char byte)
+static const char *base_of(const char *path)
 {
-    return isalnum(byte) || byte == '_' || byte == '-' || byte == '.';
+    const char *slash = strrchr(path, '/');
+
+    return slash ? slash + 1 : path;
 }
 
-/* The byte that is written at text, as it is or as %20 in a URI; *length is how long that is. */
-static unsigned char byte_at(const char *text, const char *end, bool of_uri, size_t *length)
+/* Is one of the changed files called as one that the scene names? In any letter case, since a file that is
+ * not there as it is written is found so. */
+static bool names_one(const struct dmn_edits *edits)
 {
-    unsigned byte = (unsigned char)*text;
-
-    *length = 1;
-    if (of_uri && byte == '%' && end - text >= 3 && isxdigit((unsigned char)text[1]) &&
-        isxdigit((unsigned char)text[2])) {
-        byte = (unsigned)strtoul((const char[]){text[1], text[2], '\0'}, NULL, 16);
-        *length = 3;
-    }
-    return (unsigned char)byte;
-}
-
-/* Where the name that begins at text ends, in whatever letter case; NULL if it is another one. */
-static const char *end_of(const char *text, const char *end, bool of_uri, const char *name)
-{
-    for (size_t length; *name; name++, text += length)
-        if (text == end || tolower(byte_at(text, end, of_uri, &length)) != tolower((unsigned char)*name))
-            return NULL;
-    return text;
-}
-
-static bool finds(const char *text, size_t size, bool last, bool of_uri, const char *name)
-{
-    const char *end = text + size, *after;
-    int first[2] = {tolower((unsigned char)*name), toupper((unsigned char)*name)};
-
-    for (const char *at = text; at < end; at++) {
-        if (*at != (char)first[0] && *at != (char)first[1] && *at != '%') continue;
-        if (at > text && goes_on((unsigned char)at[-1])) continue;
-        if (!(after = end_of(at, end, of_uri, name))) continue;
-        if (after < end ? !goes_on((unsigned char)*after) : last) return true;
-    }
+    for (size_t at = 0; at < edits->files_bytes; at += strlen(edits->files + at) + 1)
+        for (int i = 0; i < edits->count; i++)
+            if (!strcasecmp(base_of(edits->files + at), edits->changed[i])) return true;
     return false;
 }
 
-/* The file, if it is a regular one: a pipe of that name would keep the thread waiting for ever. */
-static FILE *open_regular(const char *path)
-{
-    int fd = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
-    struct stat status;
-    FILE *file = NULL;
-
-    if (fd < 0) return NULL;
-    if (!fstat(fd, &status) && S_ISREG(status.st_mode)) file = fdopen(fd, "rb");
-    if (!file) close(fd);
-    return file;
-}
-
-/* Is one of the changed files' names written in this file? */
-static bool names_one(const struct dmn_edits *edits, const char *folder, const char *name)
-{
-    char path[4096 + NAME_SIZE], *text = malloc(CHUNK);
-    size_t used = 0, more = 1;
-    bool found = false;
-    FILE *file;
-
-    snprintf(path, sizeof(path), "%s/%s", folder, name);
-    file = text ? open_regular(path) : NULL;
-    while (file && !found && more > 0 && !edits->stopped) {
-        more = fread(text + used, 1, CHUNK - used, file);
-        used += more;
-        for (int i = 0; i < edits->count && !found; i++)
-            found = finds(text, used, !more, false, edits->changed[i]) ||
-                    finds(text, used, !more, true, edits->changed[i]);
-        if (used == CHUNK) {
-            memmove(text, text + CHUNK - OVERLAP, OVERLAP);
-            used = OVERLAP;
-        }
-    }
-    if (file) fclose(file);
-    free(text);
-    return found;
-}
-
-static bool ends_in_mtl(const char *name)
-{
-    size_t length = strlen(name);
-
-    return length > 4 && !strcasecmp(name + length - 4, ".mtl");
-}
-
+/* What files an edit names that was not taken is not known: one that was missing may have come. */
 static bool concerns_scene(const struct dmn_edits *edits)
 {
-    struct dirent *entry;
-    bool found;
-    DIR *folder;
+    return edits->dirty || (edits->count > 0 && (*edits->words.refused || names_one(edits)));
+}
 
-    if (edits->dirty) return true;
-    if (edits->count == 0) return false;
-    found = names_one(edits, edits->folder, edits->name);
-    if (found || !(folder = opendir(edits->folder))) return found;
-    while (!found && (entry = readdir(folder)))
-        found = ends_in_mtl(entry->d_name) && names_one(edits, edits->folder, entry->d_name);
-    closedir(folder);
-    return found;
+/* Keep what files a scene names. False if memory is short. */
+static bool keep_files(struct dmn_edits *edits, const struct rnd_scene_info *info)
+{
+    char *files = malloc(info->files_bytes + 1);
+
+    if (!files) return false;
+    memcpy(files, info->files, info->files_bytes);
+    free(edits->files);
+    edits->files = files;
+    edits->files_bytes = info->files_bytes;
+    return true;
 }
 
 /* --- what changes --- */
@@ -260,32 +189,41 @@ static void tell(struct dmn_edits *edits, const char *line_or_null, const char *
     pthread_mutex_unlock(&edits->lock);
 }
 
+/* A broken scene that is read again because another file has changed is no news if it is as broken as before.
+ */
+static void refuse(struct dmn_edits *edits, const char *error)
+{
+    if (!edits->dirty && !strcmp(error, edits->words.refused)) return;
+    dmn_print(stderr, "fovead: the edit is not taken, the picture stays: %s\n", error);
+    tell(edits, NULL, error);
+}
+
 static void take_up(struct dmn_edits *edits)
 {
-    struct rnd_scene_options files = edits->files;
+    struct rnd_scene_options options = edits->scene;
     struct rnd_scene *scene, *former;
     char error[RND_ERROR_SIZE], line[sizeof(edits->words.line)];
     double camera[3];
 
     if (dmn_painter_moved(edits->options.painter, camera)) {
-        files.has_eye = true;
-        memcpy(files.eye, camera, sizeof(files.eye));
+        options.has_eye = true;
+        memcpy(options.eye, camera, sizeof(options.eye));
     }
-    files.cancel = &edits->stopped;
-    scene = rnd_scene_load(&files, error);
+    options.cancel = &edits->stopped;
+    scene = rnd_scene_load(&options, error);
     if (!scene && edits->stopped) return;
     if (!scene) {
-        dmn_print(stderr, "fovead: the edit is not taken, the picture stays: %s\n", error);
-        tell(edits, NULL, error);
+        refuse(edits, error);
         return;
     }
-    dmn_report_scene(rnd_scene_info(scene), files.path, line, sizeof(line));
+    dmn_report_scene(rnd_scene_info(scene), options.path, line, sizeof(line));
     former = dmn_painter_replace(edits->options.painter, scene);
     if (former != scene) {
         *edits->options.scene = scene;
+        keep_files(edits, rnd_scene_info(scene));
         dmn_print(edits->options.out, "scene    %s\n", line);
         fflush(edits->options.out);
-        dmn_report_left_out(rnd_scene_info(scene), files.path);
+        dmn_report_left_out(rnd_scene_info(scene), options.path);
         tell(edits, line, "");
     }
     rnd_scene_destroy(former);
@@ -329,7 +267,7 @@ struct dmn_edits *dmn_edits_create(const struct rnd_scene_options *options, char
 
     snprintf(out_error, RND_ERROR_SIZE, "%.200s: cannot be watched", options->path);
     if (!edits) return NULL;
-    edits->files = *options;
+    edits->scene = *options;
     edits->watch = edits->env_watch = -1;
     pthread_mutex_init(&edits->lock, NULL);
     split(options->path, edits->folder, sizeof(edits->folder), edits->name);
@@ -347,6 +285,7 @@ bool dmn_edits_start(struct dmn_edits *edits, const struct dmn_edits_options *op
 {
     edits->options = *options;
     edits->words = *options->words;
+    if (!keep_files(edits, rnd_scene_info(*options->scene))) return false;
     return edits->started = !pthread_create(&edits->thread, NULL, run, edits);
 }
 
@@ -375,5 +314,6 @@ void dmn_edits_destroy(struct dmn_edits *edits)
     if (edits->inotify >= 0) close(edits->inotify);
     if (edits->stop >= 0) close(edits->stop);
     pthread_mutex_destroy(&edits->lock);
+    free(edits->files);
     free(edits);
 }

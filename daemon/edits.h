@@ -1,9 +1,10 @@
 /* edits: takes up edits of the scene's files in a thread of its own, while the picture goes on.
  *
  * A change of the scene's own file counts, of its environment map, and of any file in the scene's folder or
- * the folders in that whose name is written in the scene's file (or in a .mtl beside it): buffers, textures.
- * Files that are replaced by renaming count as those that are written. The scene is read beside the one in
- * use, so meanwhile there is memory for two. */
+ * the folders in that which has the name of one that the scene names, as the renderer tells: buffers,
+ * textures, material libraries. As long as an edit could not be taken any file there counts. Files that are
+ * replaced by renaming count as those that are written. The scene is read beside the one in use, so meanwhile
+ * there is memory for two. */
 #ifndef FOVEAD_DAEMON_EDITS_H
 #define FOVEAD_DAEMON_EDITS_H
 
@@ -26,7 +27,7 @@ struct dmn_edits_options {
 /* Watch the files from now on. What options points to must last. NULL and a line in out_error on failure. */
 struct dmn_edits *dmn_edits_create(const struct rnd_scene_options *options, char out_error[RND_ERROR_SIZE]);
 /* Read the scene again for every edit since then, with a line in options->out, or why not on stderr. False if
- * no thread can be made. */
+ * memory is short or no thread can be made. */
 bool dmn_edits_start(struct dmn_edits *edits, const struct dmn_edits_options *options);
 /* Any thread: the words, if they are new. */
 void dmn_edits_words(struct dmn_edits *edits, struct dmn_scene_words *words);

@@ -76,6 +76,10 @@ struct rnd_scene_info {
     double read_seconds, build_seconds; /* import and textures; BVH and light tables */
     const char *
         unsupported; /* what the file asks for and the renderer does not do, comma-separated; "" if nothing */
+    /* The files beside its own that the scene's file names, found or not: files_bytes bytes of paths, each with
+     * its NUL. They come from the file: print none as it is. */
+    const char *files;
+    size_t files_bytes;
     const char *warnings; /* what was mended, and images that cannot be read: lines, each with its end; "" if
                              nothing */
 };

@@ -92,6 +92,7 @@ static struct aiFile *open_one(struct aiFileIO *files, const char *path, const c
     struct rnd_import *in = (struct rnd_import *)(void *)files->UserData;
     const char *why;
     if (strpbrk(mode, "wa+")) return NULL;
+    rnd_files_add(&in->scene->files, path);
     FILE *from = rnd_open_file(path, &why);
     if (from && ends_in_mtl(path)) {
         FILE *cleaned = from_first_material(in, path, from);

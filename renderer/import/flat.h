@@ -34,6 +34,7 @@ struct rnd_flat_head {
     struct rnd_flat_list texture;   /* struct rnd_flat_texture */
     struct rnd_flat_list instance;  /* struct rnd_instance */
     struct rnd_flat_list punctual;  /* struct rnd_punctual */
+    struct rnd_flat_list files;     /* bytes of paths, as struct rnd_files has them */
     uint64_t warnings, unsupported; /* texts */
     double eye[3], bounds[2][3], origin[3];
 };

@@ -104,6 +104,7 @@ bool rnd_flat_put(struct rnd_scene *scene, int fd)
     head.instance = put_list(&put, scene->instance, scene->instance_count, sizeof *scene->instance);
     head.punctual =
         put_list(&put, scene->lights.punctual, scene->lights.punctual_count, sizeof *scene->lights.punctual);
+    head.files = put_list(&put, scene->files.text, scene->files.size, 1);
     head.warnings = put_text(&put, scene->warnings.text);
     head.unsupported = put_text(&put, scene->unsupported);
     memcpy(head.eye, scene->info.eye, sizeof head.eye);

@@ -298,6 +298,17 @@ static bool take_rest(struct take *take, const struct rnd_flat_head *head)
     return scene->info.triangles > 0 || fail(take, "no triangle");
 }
 
+static bool take_files(struct take *take, const struct rnd_flat_head *head)
+{
+    struct rnd_scene_info *info = &take->scene->info;
+    const char *files = head->files.count > 0 ? part(take, head->files.at, head->files.count, 1, 0) : "";
+    if (!files || !rnd_files_are_whole(files, head->files.count))
+        return fail(take, "names of files that are none");
+    info->files = files;
+    info->files_bytes = head->files.count;
+    return true;
+}
+
 bool rnd_flat_take(struct rnd_scene *scene, char *out_why, size_t size)
 {
     struct take take = {scene, scene->flat, scene->flat_bytes, scene->flat_bytes, out_why, size};
@@ -307,5 +318,6 @@ bool rnd_flat_take(struct rnd_scene *scene, char *out_why, size_t size)
     if (memcmp(head.magic, RND_FLAT_MAGIC, sizeof RND_FLAT_MAGIC) != 0 || head.layout != rnd_flat_layout())
         return fail(&take, "a scene for another version of this program");
     return take_textures(&take, &head) && take_materials(&take, &head) && take_meshes(&take, &head) &&
-           take_instances(&take, &head) && take_lights(&take, &head) && take_rest(&take, &head);
+           take_instances(&take, &head) && take_lights(&take, &head) && take_files(&take, &head) &&
+           take_rest(&take, &head);
 }

@@ -94,7 +94,9 @@ static uint8_t *read_uri(struct rnd_gltf *gltf, const char *uri, size_t size, co
         }
         return bytes;
     }
-    if (!rnd_find_file(gltf->in->directory, uri, true, path))
+    const bool found = rnd_find_file(gltf->in->directory, uri, true, path);
+    rnd_files_add(&gltf->in->scene->files, path);
+    if (!found)
         rnd_import_fail(gltf->in, "%s.uri: %.120s: %s", where, path, rnd_why_not_found(path));
     else if (!(bytes = read_file(path, 0, size, &there)))
         rnd_import_fail(gltf->in, "%s.byteLength: %zu, but %.120s holds %zu bytes", where, size, path, there);

@@ -86,7 +86,9 @@ static int read_image(struct reader *r, size_t index, const json_t *image, bool 
     uint8_t *own = NULL;
     size_t count = 0, stride;
     if (uri && strncmp(uri, "data:", 5) != 0) {
-        if (rnd_find_file(in->directory, uri, true, path)) {
+        const bool found = rnd_find_file(in->directory, uri, true, path);
+        rnd_files_add(&r->scene->files, path);
+        if (found) {
             const int texture = rnd_texture_add(r->scene, path, NULL, 0, use, in->error);
             if (texture < 0) rnd_warn(&r->scene->warnings, "%s", in->error);
             return texture;

@@ -280,6 +280,7 @@ void rnd_scene_destroy(struct rnd_scene *scene)
     }
     free(scene->texture);
     free(scene->record);
+    rnd_files_finish(&scene->files);
     free(scene->warnings.text);
     free(scene->late_warnings.text);
     if (scene->flat) munmap(scene->flat, scene->flat_bytes);

@@ -85,13 +85,15 @@ static void take_key(struct rnd_mtl_material *m, const char *key, char *rest)
 }
 
 static bool read_library(struct rnd_mtl_file *file, const char *obj, const char *directory, const char *name,
-                         struct rnd_warnings *warnings)
+                         struct rnd_scene *scene)
 {
     char path[RND_PATH_SIZE], *line = NULL, *rest;
     const char *why;
     size_t room = 0;
-    if (!rnd_find_file(directory, name, false, path)) { /* assimp has gone on without it */
-        rnd_warn(warnings, "%.200s: mtllib %.200s: %s; its materials are left out", obj, name,
+    const bool found = rnd_find_file(directory, name, false, path);
+    rnd_files_add(&scene->files, path);
+    if (!found) { /* assimp has gone on without it */
+        rnd_warn(&scene->warnings, "%.200s: mtllib %.200s: %s; its materials are left out", obj, name,
                  rnd_why_not_found(path));
         return true;
     }
@@ -117,7 +119,7 @@ static bool read_library(struct rnd_mtl_file *file, const char *obj, const char 
 }
 
 bool rnd_mtl_file_read(struct rnd_mtl_file *file, const char *path, const char *directory,
-                       struct rnd_warnings *warnings)
+                       struct rnd_scene *scene)
 {
     const char *dot = strrchr(path, '.');
     char *line = NULL, *rest;
@@ -130,7 +132,7 @@ bool rnd_mtl_file_read(struct rnd_mtl_file *file, const char *path, const char *
     while (from && ok && getline(&line, &room, from) >= 0)
         if (strncmp(line + strspn(line, blanks), "mtllib", 6) == 0 &&
             strcmp(split(line, &rest), "mtllib") == 0)
-            ok = read_library(file, path, directory, rest, warnings);
+            ok = read_library(file, path, directory, rest, scene);
     free(line);
     if (from) fclose(from);
     return ok;

@@ -25,10 +25,10 @@ struct rnd_mtl_file {
     struct rnd_mtl_material *material;
 };
 
-/* Read the libraries that an OBJ names, with a warning of each that cannot be read; of any other file there
- * are none. False if memory is short. */
+/* Read the libraries that an OBJ names, with a warning of the scene's for each that cannot be read, and keep
+ * their paths among its files; of any other file there are none. False if memory is short. */
 bool rnd_mtl_file_read(struct rnd_mtl_file *file, const char *path, const char *directory,
-                       struct rnd_warnings *warnings);
+                       struct rnd_scene *scene);
 void rnd_mtl_file_finish(struct rnd_mtl_file *file);
 
 /* The last material of that name, as assimp takes it; NULL if there is none. */

@@ -67,9 +67,10 @@ static bool read_map(struct reader *r, enum aiTextureType type, enum rnd_map_use
         return map->texture >= 0;
     }
     char path[RND_PATH_SIZE];
-    if (!(r->lines && rnd_find_file(r->library, name.data, false, path)) &&
-        !rnd_find_file(r->in->directory, name.data, false, path))
-        return go_without(r, path, rnd_why_not_found(path));
+    const bool found = (r->lines && rnd_find_file(r->library, name.data, false, path)) ||
+                       rnd_find_file(r->in->directory, name.data, false, path);
+    rnd_files_add(&r->in->scene->files, path);
+    if (!found) return go_without(r, path, rnd_why_not_found(path));
     map->texture = rnd_texture_add(r->in->scene, path, NULL, 0, pixels, r->in->error);
     return map->texture >= 0;
 }

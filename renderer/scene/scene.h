@@ -5,6 +5,7 @@
 
 #include "renderer.h"
 #include "scene/embree.h"
+#include "scene/files.h"
 #include "scene/image_io.h"
 #include "scene/lights.h"
 #include "scene/record.h"
@@ -154,6 +155,7 @@ struct rnd_scene {
      * from their origin. */
     double origin[3];
     char unsupported[1024];
+    struct rnd_files files; /* while it is imported; then info.files is in what was handed over */
     struct rnd_warnings warnings, late_warnings; /* of the file; of textures that came later */
     bool one_sided;                              /* some of the materials are */
     bool textures_measured;                      /* the sizes of their files are known */

@@ -140,8 +140,33 @@ await_generation $now
 mv kept.obj room.obj
 await_generation $((now += 1))
 if "$foveactl" stats | grep -q 'not taken'; then fail "the old complaint stays"; fi
+[ "$(wc -l <daemon.err)" = 1 ] || fail "files beside a broken scene are complained about: $(cat daemon.err)"
 stop
 [ "$(grep -c '^scene ' daemon.out)" = $((now - 1)) ] || fail "not a line for every scene: $(cat daemon.out)"
+
+# An edit that names a file which comes later is taken when that is there.
+# Its triangle: 0,0,0  1,0,0  0,1,0.
+{
+    head -c 12 /dev/zero
+    printf '\000\000\200\077'
+    head -c 12 /dev/zero
+    printf '\000\000\200\077'
+    head -c 4 /dev/zero
+} >corner.bin
+cat >corner.gltf <<'END'
+{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+ "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}], "materials": [{"emissiveFactor": [1, 1, 1]}],
+ "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}],
+ "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"byteLength": 36, "uri": "corner.bin"}]}
+END
+start --scene corner.gltf $mode --watch
+sed 's/corner.bin/later%20on.bin/' corner.gltf >new.gltf
+mv new.gltf corner.gltf
+await 'a word on the missing file' grep -q 'later on.bin' daemon.err
+await_generation 1
+cp corner.bin 'later on.bin'
+await_generation 2
+stop
 
 # An edit under way when the daemon ends is no trouble.
 start --scene room.obj $mode --watch

@@ -23,9 +23,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     memcpy(bytes, data, size);
     scene->flat = bytes;
     scene->flat_bytes = size;
-    if (rnd_flat_take(scene, why, sizeof why))
+    if (rnd_flat_take(scene, why, sizeof why)) {
         scene_check(scene);
-    else if (!*why || strchr(why, '\n'))
+        scene_check_files(&scene->info);
+    } else if (!*why || strchr(why, '\n'))
         abort();
     scene->flat = NULL; /* it is not mapped */
     scene->mesh_count = 0;

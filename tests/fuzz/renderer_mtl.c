@@ -59,7 +59,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     static const char plain[] = "mtllib x.mtl\n";
     const uint8_t *dashes = size ? memmem(data, size, "---\n", 4) : NULL;
     struct rnd_mtl_file file;
-    struct rnd_warnings warnings = {0};
+    static struct rnd_scene scene;
     if (!*folder) make_folder();
     if (dashes) {
         put(obj, data, (size_t)(dashes - data));
@@ -68,9 +68,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         put(obj, plain, strlen(plain));
         put(mtl, data, size);
     }
-    if (rnd_mtl_file_read(&file, obj, folder, &warnings)) check(&file);
+    if (rnd_mtl_file_read(&file, obj, folder, &scene)) check(&file);
     rnd_mtl_file_finish(&file);
-    free(warnings.text);
+    if (!rnd_files_are_whole(scene.files.text, scene.files.size)) abort();
+    rnd_files_finish(&scene.files);
+    free(scene.warnings.text);
+    scene.warnings = (struct rnd_warnings){0};
     return 0;
 }
 

@@ -5,10 +5,20 @@
 #include "import/import.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static inline void scene_check_map(const struct rnd_scene *scene, const struct rnd_map *map)
 {
     if (map->texture >= (int)scene->texture_count || map->uv_set > 1) abort();
+}
+
+/* Of a scene that was handed over: paths that can be walked through. */
+static inline void scene_check_files(const struct rnd_scene_info *info)
+{
+    const char *at = info->files;
+    for (const char *end = at + info->files_bytes; at < end; at += strlen(at) + 1)
+        if (!*at) abort();
+    if (at != info->files + info->files_bytes) abort();
 }
 
 static inline void scene_check(const struct rnd_scene *scene)

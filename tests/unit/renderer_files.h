@@ -279,6 +279,20 @@ static inline struct rnd_scene *files_load(const char *path, const char *env, co
     return scene;
 }
 
+/* Does the scene name a file that is this one, or would be? */
+static inline bool files_named(const struct rnd_scene_info *info, const char *path)
+{
+    struct stat file, other;
+    const bool is_there = stat(path, &file) == 0;
+    for (size_t at = 0; at < info->files_bytes; at += strlen(info->files + at) + 1) {
+        const bool other_is_there = stat(info->files + at, &other) == 0;
+        if (is_there && other_is_there && file.st_ino == other.st_ino && file.st_dev == other.st_dev)
+            return true;
+        if (!is_there && strcmp(info->files + at, path) == 0) return true;
+    }
+    return false;
+}
+
 static inline struct rnd_aim files_aim(double x, double y, double z)
 {
     const double l = sqrt(x * x + y * y + z * z);

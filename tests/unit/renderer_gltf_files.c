@@ -42,6 +42,7 @@ static void names(void **state)
         files_write(cases[i].file, &square, sizeof square);
         struct rnd_scene *scene = load_quietly(with_buffer(cases[i].uri));
         NEAR(scene->mesh[0].position[0], -1);
+        assert_true(files_named(rnd_scene_info(scene), files_path(cases[i].file)));
         rnd_scene_destroy(scene);
         remove(files_path(cases[i].file));
     }
@@ -57,6 +58,7 @@ static void names(void **state)
         struct rnd_scene *scene = load_quietly(files_gltf(
             "image.gltf", 1, node, "{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}", more));
         assert_int_equal(scene->texture[scene->material[0].map[RND_MAP_BASE].texture].levels, 2);
+        assert_true(files_named(rnd_scene_info(scene), files_path(file)));
         rnd_scene_destroy(scene);
         remove(files_path(file));
     }

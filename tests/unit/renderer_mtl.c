@@ -12,6 +12,27 @@ static struct rnd_scene *with_mtl(const char *mtl)
                       files_env("env.exr", 1), NULL, NULL);
 }
 
+/* Which files a scene names: libraries and maps, as they are written, in another letter case, or lost. */
+static void files(void **state)
+{
+    (void)state;
+    write_halves("Halves.PNG", 0, 1);
+    files_text(
+        "m.mtl",
+        "newmtl m\nKd 1 1 1\nmap_Kd halves.png\nKs 0.5 0.5 0.5\nNs 98\nillum 2\nmap_Ks maps\\gone.png\n");
+    struct rnd_scene *scene =
+        files_load(files_text("m.obj", "mtllib lost.mtl\nmtllib m.mtl\nusemtl m\nv -1 0 -1\nv -1 0 1\n"
+                                       "v 1 0 1\nvt 0 1\nvt 0 0\nvt 1 0\nf 1/1 2/2 3/3\n"),
+                   files_env("env.exr", 1), NULL, NULL);
+    const struct rnd_scene_info *info = rnd_scene_info(scene);
+    assert_true(files_named(info, files_path("m.mtl")) && files_named(info, files_path("Halves.PNG")));
+    assert_true(files_named(info, files_path("lost.mtl")));
+    assert_true(files_named(info, files_path("maps/gone.png")));
+    assert_false(files_named(info, files_path("env.exr")));
+    rnd_scene_destroy(scene);
+    remove(files_path("m.mtl"));
+}
+
 static void mtl(void **state)
 {
     (void)state;
@@ -174,6 +195,7 @@ static void cornell_boxes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(files),
         cmocka_unit_test(mtl),
         cmocka_unit_test(wide_images),
         cmocka_unit_test(mtl_of_exporters),
