@@ -132,7 +132,9 @@ done
 awk 'BEGIN {
     for (i = 0; i < 10000; i++) printf "v %f 0 %f\n", cos(i / 10000 * 6.2831853) * (1 + (i * 7919 % 101) / 200), sin(i / 10000 * 6.2831853) * (1 + (i * 7919 % 101) / 200)
     for (face = 0; face < 400; face++) {printf "f"; for (i = 1; i <= 10000; i++) printf " %d", i; print ""}}' >slow.obj
-not_drawn 'slow.obj: the reader took more than 1 s' slow.obj --reader-time 1
+not_drawn 'slow.obj: the reader ' slow.obj --reader-time 1
+# Other work may keep the reader from having that second of the processor in ten.
+grep -Eq 'took more than 1 s$|was not done after 10 s$' refused.err || fail "not out of time: $(cat refused.err)"
 awk 'BEGIN {for (i = 0; i < 400000; i++) printf "v %d 0 0\n", i; for (i = 1; i < 399998; i++) print "f", i, i + 1, i + 2}' >large.obj
 if ! grep -q '^SANITIZE:STRING=..*' "$programs/CMakeCache.txt"; then # sanitizers take all addresses there are
     not_drawn 'large.obj: the reader took more than 64 MiB' large.obj --reader-memory 64
