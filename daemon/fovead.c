@@ -98,8 +98,10 @@ static bool load(struct daemon *daemon)
     /* Better now than after a night of rendering. */
     if (options->save && !dmn_file_check(options->save, true, error)) return fail(error);
     handles->options = options;
-    options->scene.readers = rnd_readers_create();
-    if (!options->scene.readers) return fail("out of memory");
+    /* First of all, because it takes a while; it is there until the end, when the film is saved. */
+    options->scene.image_program = rnd_image_program_create();
+    if (!options->scene.image_program) return fail("out of memory");
+    if (!rnd_image_program_start(options->scene.image_program, error)) return fail(error);
     scene = options->scene;
     handles->gaze = dmn_gaze_open(options, error);
     if (!handles->gaze) return fail(error);
@@ -313,6 +315,6 @@ int main(int argc, char **argv)
     dmn_picture_finish(&daemon.picture);
     rnd_render_destroy(daemon.handles.render);
     rnd_scene_destroy(daemon.scene);
-    rnd_readers_destroy(daemon.options.scene.readers);
+    rnd_image_program_destroy(daemon.options.scene.image_program);
     return good ? 0 : 1;
 }

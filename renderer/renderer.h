@@ -35,11 +35,15 @@ enum {
 
 struct rnd_scene;
 
-/* Files are read by programs that lie beside this one, fovead-reader and fovead-image-reader: a file that
- * crashes them, or has them take too much, is refused and takes nothing else with it. The second one takes a
- * while to start, and may serve many scenes. NULL if memory is short. */
-struct rnd_readers *rnd_readers_create(void);
-void rnd_readers_destroy(struct rnd_readers *readers); /* accepts NULL; after the scenes that have it */
+/* Files are read by programs that lie beside this one, fovead-reader and fovead-image: a file that crashes
+ * them, or has them take too much, is refused and takes nothing else with it. The second one takes a while to
+ * start, and serves many scenes. NULL if memory is short. */
+struct rnd_image_program *rnd_image_program_create(void);
+/* Start it, if it does not run; this does not wait until it is ready. Else it starts when a picture is
+ * wanted. False and a line in out_error if it is not there. */
+bool rnd_image_program_start(struct rnd_image_program *program, char out_error[RND_ERROR_SIZE]);
+/* Accepts NULL. The program ends when no scene has it any more either. */
+void rnd_image_program_destroy(struct rnd_image_program *program);
 
 struct rnd_scene_options {
     const char *path;     /* glTF, GLB, OBJ, or what else assimp reads */
@@ -58,9 +62,8 @@ struct rnd_scene_options {
     /* Limits of the programs that read files: MiB of memory, and seconds of processor time for one file; 0:
      * the defaults of reader_limits.c. Embree's trees may take as much memory again. */
     uint32_t reader_mib, reader_seconds;
-    /* Who reads pictures, ready from scenes before; it must outlive the scene. NULL: a new one, the scene's.
-     */
-    struct rnd_readers *readers;
+    /* Who reads pictures, ready from scenes before. NULL: a new one. */
+    struct rnd_image_program *image_program;
     const atomic_bool *cancel; /* set by any thread as soon as the scene is not wanted any more; or NULL */
     bool has_eye;
     double eye[3]; /* m; without it the first camera of the file, else the middle of the scene's bounds */
@@ -222,7 +225,7 @@ struct rnd_tile {
     float luminance;  /* mean, once the error is known */
     bool converged;   /* sure_error is not above the bar */
     uint64_t gaze_sequence, gaze_ns, aimed_ns; /* of the newest batch that reached it */
-    uint32_t generation; /* of the film, from 1: each restart begins the next */
+    uint32_t generation;                       /* of the film, from 1: each restart begins the next */
 };
 
 /* Level 0 is the film; every next level halves it, down to the last that is whole tiles. */

@@ -3,6 +3,7 @@
 #include "import/read_scene.h"
 #include "import/reader.h"
 #include "import/records.h"
+#include "scene/image_program.h"
 #include "import/textures.h"
 #include "import/tree.h"
 #include "light/light.h"
@@ -199,29 +200,30 @@ static void clear_glass(struct rnd_scene *scene)
     }
 }
 
-/* Who reads pictures: what the options say, else the scene's own. Started at once if it is needed at once. */
-static bool find_readers(struct rnd_scene *scene, const struct rnd_scene_options *options)
+/* What a scene that is loaded has of the options. */
+static bool begin_scene(struct rnd_scene *scene, const struct rnd_scene_options *options)
 {
-    if (!options->readers) scene->own_readers = rnd_readers_create();
-    scene->readers = options->readers ? options->readers : scene->own_readers;
+    scene->image_program =
+        options->image_program ? rnd_image_program_share(options->image_program) : rnd_image_program_create();
     scene->reader_mib = rnd_reader_limits(options, options->path).mib;
     scene->reader_seconds = options->reader_seconds;
     scene->cancel = options->cancel;
-    if (scene->readers && options->env_path) rnd_readers_expect(scene->readers);
-    return scene->readers;
+    return scene->image_program;
 }
 
 struct rnd_scene *rnd_scene_load(const struct rnd_scene_options *options, char out_error[RND_ERROR_SIZE])
 {
     const double start = seconds();
     struct rnd_scene *scene = calloc(1, sizeof *scene);
-    if (!scene || !find_readers(scene, options)) {
+    if (!scene || !begin_scene(scene, options)) {
         snprintf(out_error, RND_ERROR_SIZE, "not enough memory");
         free(scene);
         return NULL;
     }
+    /* It takes as long to start as many a scene takes to be read. */
+    if (options->env_path && !rnd_image_program_start(scene->image_program, out_error)) goto fail;
     if (!rnd_scene_read(scene, options, out_error)) goto fail;
-    if (scene->texture_count > 0) rnd_readers_expect(scene->readers);
+    if (scene->texture_count > 0 && !rnd_image_program_start(scene->image_program, out_error)) goto fail;
     if (options->clear_glass) clear_glass(scene);
     if (options->has_sun) {
         if (!(scene->lights.sun = calloc(1, sizeof *scene->lights.sun))) {
@@ -284,7 +286,7 @@ void rnd_scene_destroy(struct rnd_scene *scene)
     free(scene->warnings.text);
     free(scene->late_warnings.text);
     if (scene->flat) munmap(scene->flat, scene->flat_bytes);
-    rnd_readers_destroy(scene->own_readers);
+    rnd_image_program_destroy(scene->image_program);
     free(scene);
 }
 

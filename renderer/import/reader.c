@@ -35,22 +35,27 @@ static void silence(posix_spawn_file_actions_t *actions)
     posix_spawn_file_actions_addopen(actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
 }
 
-/* In a process group of its own, so that it is not told to stop by the terminal before this program is. */
+/* Those who tell this program to stop often tell all that it has started, too: a terminal its process group,
+ * systemd its control group. What the reader does is still wanted then, for the picture of the end: it ends
+ * with this program, in a process group of its own, and with these signals blocked from its start. */
 static int spawn(pid_t *out_pid, const char *path, char *const arguments[], const int *fd, int count)
 {
     posix_spawn_file_actions_t actions;
     posix_spawnattr_t attributes;
-    sigset_t none, all;
+    sigset_t stop, all;
     char **environment = environment_of_reader();
     if (!environment) return ENOMEM;
-    sigemptyset(&none);
+    sigemptyset(&stop);
+    sigaddset(&stop, SIGINT);
+    sigaddset(&stop, SIGTERM);
+    sigaddset(&stop, SIGHUP);
     sigfillset(&all);
     posix_spawn_file_actions_init(&actions);
     posix_spawnattr_init(&attributes);
     silence(&actions);
     for (int i = 0; i < count; i++) posix_spawn_file_actions_adddup2(&actions, fd[i], FIRST_FD + i);
     posix_spawn_file_actions_addclosefrom_np(&actions, FIRST_FD + count);
-    posix_spawnattr_setsigmask(&attributes, &none);
+    posix_spawnattr_setsigmask(&attributes, &stop);
     posix_spawnattr_setsigdefault(&attributes, &all);
     posix_spawnattr_setpgroup(&attributes, 0);
     posix_spawnattr_setflags(&attributes,

@@ -35,14 +35,11 @@ void rnd_reader_begin(pid_t parent, uint32_t mib);
 void rnd_reader_limit_time(uint32_t seconds);
 
 /* Start a program beside this one; count descriptors become its 3, 4, ...; it has no others, nor the token of
- * the environment. 0 and a line in out_error on failure. */
+ * the environment. SIGINT, SIGTERM and SIGHUP do not end it. 0 and a line in out_error on failure. */
 pid_t rnd_reader_start(const char *name, char *const arguments[], const int *fd, int count,
                        char out_error[RND_ERROR_SIZE]);
 /* "the reader crashed (signal 11)" and the like, of a status as wait() gives it that is neither success nor
  * RND_READER_REFUSES. */
 void rnd_reader_why(int status, const struct rnd_reader_limits *limits, char *out, size_t size);
-
-/* image_reader.c: start the one that reads pictures, if it does not run. */
-void rnd_readers_expect(struct rnd_readers *readers);
 
 #endif

@@ -145,8 +145,7 @@ struct rnd_scene {
     void *flat; /* what a reader has handed over, in which the meshes' arrays and textures' files are; NULL:
                    these are malloc'ed */
     size_t flat_bytes;
-    struct rnd_readers *readers,
-        *own_readers; /* who reads pictures; the same if the scene destroys them, else NULL */
+    struct rnd_image_program *image_program;
     uint32_t reader_mib, reader_seconds; /* MiB; as the options have it, 0: by the file */
     _Atomic int64_t tree_bytes;          /* that Embree has taken */
     atomic_bool trees_too_large;         /* it asked for more than reader_mib, and did not get it */

@@ -102,13 +102,13 @@ int bench_startup(int count, char **arguments)
     struct rnd_scene_info info = {0};
     double bytes = 0, largest = 0, median[FIGURES];
     if (!parse(count, arguments, &setup)) return 2;
-    setup.scene.readers =
-        rnd_readers_create(); /* as fovead has them: the program that reads pictures starts once */
+    setup.scene.image_program =
+        rnd_image_program_create(); /* as fovead has them: the program that reads pictures starts once */
     for (int t = 0; t < setup.turns; t++) {
         if (!measure(&setup, t, figure, &info, &bytes)) return 1;
         largest = fmax(largest, bytes); /* a later turn may find memory that an earlier one left */
     }
-    rnd_readers_destroy(setup.scene.readers);
+    rnd_image_program_destroy(setup.scene.image_program);
     for (int i = 0; i < FIGURES; i++) median[i] = bench_median(figure[i], setup.turns);
     if (setup.json) {
         json_t *root = json_pack("{s:s,s:I,s:i,s:f}", "scene", setup.scene.path, "triangles",

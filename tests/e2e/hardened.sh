@@ -15,13 +15,13 @@ for file in own/bin/* $(find own -name 'libfovea.so.*' -type f); do
     is "$file" 'stack protector' ' __stack_chk_fail'
     case $file in */bin/*) is "$file" 'mark of a position-independent program' 'Flags: .*PIE' ;; esac
     # Checked buffers need optimisation, and some that can be checked: the reader of images fills none.
-    case $file in */fovead-image-reader) ;; *)
+    case $file in */fovead-image) ;; *)
         if grep -qE '^CMAKE_BUILD_TYPE:[A-Z]*=(|Release|RelWithDebInfo|MinSizeRel)$' "$programs/CMakeCache.txt"; then
             is "$file" 'checked buffers' ' __(snprintf|memcpy)_chk'
         fi ;;
     esac
     checked="$checked $file"
 done
-for file in bin/fovead bin/fovead-reader bin/fovead-image-reader bin/foveactl bin/foveactl-image libfovea.so; do
+for file in bin/fovead bin/fovead-reader bin/fovead-image bin/foveactl bin/foveactl-image libfovea.so; do
     case $checked in *"$file"*) ;; *) fail "$file is not among what was installed: $checked" ;; esac
 done

@@ -35,7 +35,7 @@ grep -q '"mode": "fv"' end.json || fail "$(cat end.json)"
 
 # Without a device, auto is the recording that comes with fovead: of an installed one, what is installed beside it.
 mkdir -p bin share/fovead
-cp "$fovead" "$programs/fovead-reader" "$programs/fovead-image-reader" bin
+cp "$fovead" "$programs/fovead-reader" "$programs/fovead-image" bin
 cp short.gaze share/fovead/hall.gaze
 bin/fovead --scene room.obj --size 128x64 --gaze auto --until end --speed 0 --json >auto.json 2>/dev/null
 grep -q 'share/fovead/hall.gaze' auto.json && [ "$(number gaze_samples auto.json)" = 120 ] || fail "$(cat auto.json)"

@@ -5,7 +5,7 @@
 static struct rnd_scene *load(const char *path, const char *env, const float *sun, const float *eye,
                               bool clear)
 {
-    struct rnd_scene_options options = {.readers = files_readers(),
+    struct rnd_scene_options options = {.image_program = files_image_program(),
                                         .path = path,
                                         .env_path = env,
                                         .has_sun = sun,

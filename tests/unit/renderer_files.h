@@ -24,13 +24,13 @@
 /* --- files --- */
 
 static char files_directory[64];
-static struct rnd_readers *files_readers_started;
+static struct rnd_image_program *files_image_program_started;
 
 /* The program that reads pictures takes long to start: one is enough for all scenes of a test. */
-static inline struct rnd_readers *files_readers(void)
+static inline struct rnd_image_program *files_image_program(void)
 {
-    if (!files_readers_started) files_readers_started = rnd_readers_create();
-    return files_readers_started;
+    if (!files_image_program_started) files_image_program_started = rnd_image_program_create();
+    return files_image_program_started;
 }
 
 static inline int files_setup(void **state)
@@ -49,8 +49,8 @@ static inline int files_remove(const char *path, const struct stat *status, int 
 static inline int files_teardown(void **state)
 {
     (void)state;
-    rnd_readers_destroy(files_readers_started);
-    files_readers_started = NULL;
+    rnd_image_program_destroy(files_image_program_started);
+    files_image_program_started = NULL;
     return nftw(files_directory, files_remove, 8, FTW_DEPTH | FTW_PHYS);
 }
 
@@ -269,8 +269,11 @@ static inline const char *files_room(const char *name)
 static inline struct rnd_scene *files_load(const char *path, const char *env, const float *sun,
                                            const float *eye)
 {
-    struct rnd_scene_options options = {
-        .path = path, .readers = files_readers(), .env_path = env, .has_sun = sun, .has_eye = eye};
+    struct rnd_scene_options options = {.path = path,
+                                        .image_program = files_image_program(),
+                                        .env_path = env,
+                                        .has_sun = sun,
+                                        .has_eye = eye};
     char error[RND_ERROR_SIZE];
     if (sun) memcpy(options.sun, sun, sizeof options.sun);
     for (int k = 0; eye && k < 3; k++) options.eye[k] = (double)eye[k];

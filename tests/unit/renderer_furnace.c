@@ -317,7 +317,7 @@ static void turned_environment(void **state)
                                   "\"KHR_materials_specular\":{\"specularFactor\":0}}}",
                                   "");
     for (int k = 0; k < 2; k++) {
-        const struct rnd_scene_options options = {.readers = files_readers(),
+        const struct rnd_scene_options options = {.image_program = files_image_program(),
                                                   .path = path,
                                                   .env_path = env,
                                                   .env_azimuth = k ? 90.0f : 0.0f,

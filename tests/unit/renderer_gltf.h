@@ -30,7 +30,7 @@ static inline struct rnd_scene *load_warned(const char *path, const char *words)
 static inline void assert_refused(const char *path, const char *words)
 {
     const struct rnd_scene_options options = {
-        .readers = files_readers(), .path = path, .env_path = files_env("env.exr", 1)};
+        .image_program = files_image_program(), .path = path, .env_path = files_env("env.exr", 1)};
     char error[RND_ERROR_SIZE] = "";
     struct rnd_scene *scene = rnd_scene_load(&options, error);
     if (scene || !strstr(error, words) || strchr(error, '\n'))

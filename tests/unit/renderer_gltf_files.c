@@ -111,7 +111,7 @@ static void printable(void **state)
                                    "b\\u0007\\u009b1m\\u007f\\n\\u00e4\",\"x\":[",
                                    node, "", "", parts, 1);
     const struct rnd_scene_options options = {
-        .readers = files_readers(), .path = path, .env_path = files_env("env.exr", 1)};
+        .image_program = files_image_program(), .path = path, .env_path = files_env("env.exr", 1)};
     char error[RND_ERROR_SIZE];
     assert_null(rnd_scene_load(&options, error));
     if (!strstr(error, "mesh \"a ]0;b   1m  \xc3\xa4\" is not finite")) fail_msg("%s", error);

@@ -158,7 +158,7 @@ static void image_in_buffer(void **state)
                  view);
         const char *path = files_parts("inside.gltf", files_primitive, node, material, more, parts, 4);
         const struct rnd_scene_options options = {
-            .readers = files_readers(), .path = path, .env_path = files_env("env.exr", 1)};
+            .image_program = files_image_program(), .path = path, .env_path = files_env("env.exr", 1)};
         struct rnd_scene *scene = rnd_scene_load(&options, error);
         if (!scene) fail_msg("%s", error);
         if (view == 3) {
@@ -198,7 +198,7 @@ static void later(void **state)
     const char *warnings;
     char error[RND_ERROR_SIZE] = "";
     write_halves("halves.png", 0, 1);
-    struct rnd_scene_options options = {.readers = files_readers(),
+    struct rnd_scene_options options = {.image_program = files_image_program(),
                                         .path = files_gltf("later.gltf", 1, node, material, IMAGE),
                                         .env_path = files_env("env.exr", 1)};
     struct rnd_scene *at_once = rnd_scene_load(&options, error);

@@ -129,7 +129,7 @@ static void draco(void **state)
         char error[RND_ERROR_SIZE] = "";
         memcpy(spoiled, draco_square, sizeof spoiled);
         spoiled[i] = spoiled[i] == 'A' ? 'z' : 'A';
-        const struct rnd_scene_options options = {.readers = files_readers(),
+        const struct rnd_scene_options options = {.image_program = files_image_program(),
                                                   .path =
                                                       with_draco("spoiled.gltf", indices[0], "0", spoiled),
                                                   .env_path = files_path("env.exr")};

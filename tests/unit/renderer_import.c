@@ -15,7 +15,8 @@
 /* A scene that must not load: one line, with the name of the file at fault and some word of the cause. */
 static void assert_refused_with(const char *path, const char *env, const char *file, const char *cause)
 {
-    const struct rnd_scene_options options = {.readers = files_readers(), .path = path, .env_path = env};
+    const struct rnd_scene_options options = {
+        .image_program = files_image_program(), .path = path, .env_path = env};
     char error[RND_ERROR_SIZE] = "";
     struct rnd_scene *scene = rnd_scene_load(&options, error);
     rnd_scene_destroy(scene);
@@ -127,7 +128,7 @@ static void images_absent(void **state)
         char more[400], error[RND_ERROR_SIZE];
         snprintf(more, sizeof more, ",\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"%s\"}]",
                  uris[i / 2]);
-        const struct rnd_scene_options options = {.readers = files_readers(),
+        const struct rnd_scene_options options = {.image_program = files_image_program(),
                                                   .path = files_gltf("inside.gltf", 10, node, picture, more),
                                                   .env_path = files_env("env.exr", 1),
                                                   .textures_later = i % 2,
@@ -444,7 +445,7 @@ static int try_file(const char *path, const struct stat *status, int kind, struc
     const char *dot = strrchr(path, '.');
     if (kind != FTW_F || !dot || (strcmp(dot, ".gltf") != 0 && strcmp(dot, ".glb") != 0)) return 0;
     const struct rnd_scene_options options = {
-        .readers = files_readers(), .path = path, .env_path = files_path("env.exr")};
+        .image_program = files_image_program(), .path = path, .env_path = files_path("env.exr")};
     char error[RND_ERROR_SIZE] = "";
     struct rnd_scene *scene = rnd_scene_load(&options, error);
     if (!scene) {

@@ -84,7 +84,7 @@ static void environment(void **state)
     }
     files_text("f.mtl", "newmtl floor\nKd 0.5 0.5 0.5\n");
     assert_true(files_image(files_path("env.hdr"), W, H, rgb, true, error));
-    const struct rnd_scene_options options = {.readers = files_readers(),
+    const struct rnd_scene_options options = {.image_program = files_image_program(),
                                               .path = files_text("f.obj", floor_obj),
                                               .env_path = files_path("env.hdr"),
                                               .env_azimuth = 33.75f};

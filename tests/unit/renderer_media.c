@@ -55,7 +55,7 @@ static struct rnd_scene *boxes(const struct box *box, int count, const char *env
                  emits ? ",\"emissiveFactor\":[1,1,1]" : "");
     }
     struct rnd_scene_options options = {
-        .readers = files_readers(),
+        .image_program = files_image_program(),
         .path = files_parts("boxes.gltf", primitives, nodes, materials, "", part, 2),
         .env_path = env,
         .has_eye = true,

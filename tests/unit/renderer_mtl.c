@@ -77,8 +77,9 @@ static void mtl(void **state)
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         char error[RND_ERROR_SIZE] = "";
         files_text("m.mtl", bad[i]);
-        const struct rnd_scene_options options = {
-            .readers = files_readers(), .path = files_path("m.obj"), .env_path = files_path("env.exr")};
+        const struct rnd_scene_options options = {.image_program = files_image_program(),
+                                                  .path = files_path("m.obj"),
+                                                  .env_path = files_path("env.exr")};
         assert_null(rnd_scene_load(&options, error));
         print_message("%s\n", error);
         assert_non_null(strstr(error, "m.obj: material \"m\""));

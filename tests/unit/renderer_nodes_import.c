@@ -76,7 +76,7 @@ static void first_frame(void **state)
                        "\"rotation\"}}],\"samplers\":[{\"input\":3,\"output\":4}]}]",
                        parts, 7);
     const struct rnd_scene_options options = {
-        .readers = files_readers(), .path = path, .env_path = files_path("env.exr")};
+        .image_program = files_image_program(), .path = path, .env_path = files_path("env.exr")};
     assert_null(rnd_scene_load(&options, error));
     assert_non_null(strstr(error, "short.gltf: animations[0].samplers[0].output: expected"));
 }
@@ -278,7 +278,7 @@ static void shared_light(void **state)
                  ",\"cameras\":[{\"type\":\"perspective\"}],"
                  "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[%s]}}",
                  lights[i]);
-        const struct rnd_scene_options options = {.readers = files_readers(),
+        const struct rnd_scene_options options = {.image_program = files_image_program(),
                                                   .path = files_gltf("lamps.gltf", 1, nodes, "{}", more)};
         struct rnd_scene *scene = rnd_scene_load(&options, error);
         if (wrong[i]) {

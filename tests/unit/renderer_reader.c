@@ -3,7 +3,8 @@
 #include "renderer_files.h"
 
 #include "import/textures.h"
-#include "scene/image_reader.h"
+#include "scene/image_apart.h"
+#include "scene/image_packet.h"
 #include "scene/scene.h"
 
 #include <sys/socket.h>
@@ -25,7 +26,7 @@ static const char *noise(const char *name, int width, int height)
 
 static struct rnd_image_reader reader(void)
 {
-    return (struct rnd_image_reader){.readers = files_readers(), .limits = {.mib = 1024}, .socket = -1};
+    return (struct rnd_image_reader){.program = files_image_program(), .limits = {.mib = 1024}, .socket = -1};
 }
 
 static struct rnd_texture load(const char *path, enum rnd_pixels_use use, int skip)
@@ -295,7 +296,8 @@ static void large_trees(void **state)
 {
     (void)state;
     char error[RND_ERROR_SIZE] = "";
-    struct rnd_scene_options options = {.path = square(1), .readers = files_readers(), .reader_mib = 128};
+    struct rnd_scene_options options = {
+        .path = square(1), .image_program = files_image_program(), .reader_mib = 128};
     struct rnd_scene *scene = rnd_scene_load(&options, error);
     if (!scene) fail_msg("%s", error);
     assert_int_equal(scene->info.triangles, INDICES / 3);
@@ -319,7 +321,7 @@ static void cancelled(void **state)
     static const atomic_bool no_more = true;
     char error[RND_ERROR_SIZE] = "";
     const struct rnd_scene_options options = {
-        .path = files_room("room.obj"), .readers = files_readers(), .cancel = &no_more};
+        .path = files_room("room.obj"), .image_program = files_image_program(), .cancel = &no_more};
     struct rnd_image_reader images = reader();
     struct rnd_picture picture;
     images.cancel[0] = &no_more;

@@ -1,108 +1,13 @@
-/* Asking fovead-image-reader for pictures. */
-#include "scene/image_reader.h"
+/* Asking copies of fovead-image for pictures. */
+#include "scene/image_apart.h"
+#include "scene/image_packet.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <poll.h>
-#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/socket.h>
-#include <sys/wait.h>
 #include <unistd.h>
-
-/* --- the program --- */
-
-struct rnd_readers {
-    pthread_mutex_t lock; /* of all that follows */
-    pid_t pid;            /* 0: it does not run */
-    int control;          /* -1 then */
-};
-
-struct rnd_readers *rnd_readers_create(void)
-{
-    struct rnd_readers *readers = calloc(1, sizeof *readers);
-    if (!readers) return NULL;
-    pthread_mutex_init(&readers->lock, NULL);
-    readers->control = -1;
-    return readers;
-}
-
-/* The program ends when its socket does; it waits for nothing else. */
-static void end(struct rnd_readers *readers)
-{
-    if (readers->control >= 0) close(readers->control);
-    while (readers->pid && waitpid(readers->pid, NULL, 0) < 0 && errno == EINTR) continue;
-    readers->pid = 0;
-    readers->control = -1;
-}
-
-void rnd_readers_destroy(struct rnd_readers *readers)
-{
-    if (!readers) return;
-    end(readers);
-    pthread_mutex_destroy(&readers->lock);
-    free(readers);
-}
-
-static bool start(struct rnd_readers *readers, char out_error[RND_ERROR_SIZE])
-{
-    static char name[] = "fovead-image-reader";
-    int pair[2];
-    if (readers->pid) return true;
-    if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) != 0) {
-        snprintf(out_error, RND_ERROR_SIZE, "cannot start a reader: %s", strerror(errno));
-        return false;
-    }
-    readers->pid = rnd_reader_start(name, (char *const[]){name, NULL}, &pair[1], 1, out_error);
-    close(pair[1]);
-    if (readers->pid)
-        readers->control = pair[0];
-    else
-        close(pair[0]);
-    return readers->pid != 0;
-}
-
-void rnd_readers_expect(struct rnd_readers *readers)
-{
-    char error[RND_ERROR_SIZE];
-    pthread_mutex_lock(&readers->lock);
-    start(readers, error); /* who asks for a picture is told if that fails */
-    pthread_mutex_unlock(&readers->lock);
-}
-
-/* Get a copy of the program. It may have ended because nobody asked for long: then it is started once more.
- */
-static bool get_copy(struct rnd_image_reader *reader, char *out_error, size_t error_size)
-{
-    struct rnd_readers *readers = reader->readers;
-    char error[RND_ERROR_SIZE] = "cannot start a reader";
-    int pair[2];
-    bool ok = false;
-    if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) != 0) {
-        snprintf(out_error, error_size, "cannot start a reader: %s", strerror(errno));
-        return false;
-    }
-    pthread_mutex_lock(&readers->lock);
-    for (int turn = 0; turn < 2 && !ok && start(readers, error); turn++) {
-        ok =
-            rnd_image_send(readers->control, RND_IMAGE_COPY, &reader->limits, sizeof reader->limits, pair[1]);
-        if (!ok) end(readers);
-    }
-    pthread_mutex_unlock(&readers->lock);
-    close(pair[1]);
-    if (ok) {
-        fcntl(pair[0], F_SETFL, O_NONBLOCK);
-        reader->socket = pair[0];
-    } else {
-        close(pair[0]);
-        snprintf(out_error, error_size, "%s", error);
-    }
-    return ok;
-}
-
-/* --- a copy of it --- */
 
 /* One picture that is wanted. */
 struct wanted {
@@ -271,12 +176,15 @@ static bool get(struct wanted *wanted)
     struct rnd_image_reader *reader = wanted->reader;
     const struct rnd_scene_options options = {.reader_mib = reader->limits.mib,
                                               .reader_seconds = reader->limits.seconds};
+    char error[RND_ERROR_SIZE];
     bool ok = false;
     wanted->limits = rnd_reader_limits(&options, wanted->path);
     for (int turn = 0; turn < 2 && !ok && (turn == 0 || wanted->lost); turn++) {
         wanted->lost = false;
         wanted->last = rnd_reader_now() + 2.0 * wanted->limits.seconds * RND_READER_PATIENCE;
-        if (reader->socket < 0 && !get_copy(reader, wanted->error, wanted->error_size)) return false;
+        if (reader->socket < 0)
+            reader->socket = rnd_image_program_copy(reader->program, &reader->limits, error);
+        if (reader->socket < 0) return fail(wanted, error);
         ok = ask(wanted) && take(wanted);
         if (!ok) rnd_image_reader_finish(reader); /* nothing is known of what it does now */
     }

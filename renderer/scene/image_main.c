@@ -1,6 +1,8 @@
-/* fovead-image-reader: decodes pictures for a program that does not trust them; see image_reader.h. Nobody
- * types its name. Descriptor 3 is the socket to that program. */
-#include "scene/image_reader.h"
+/* fovead-image: decodes pictures for a program that does not trust them; see image_program.h. Nobody types
+ * its name. Descriptor 3 is the socket to that program. */
+#include "scene/image_io.h"
+#include "scene/image_packet.h"
+#include "import/reader.h"
 
 #include <errno.h>
 #include <poll.h>
@@ -12,7 +14,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { CONTROL = 3, MOST_COPIES = 1024, IDLE_SECONDS = 60 };
+enum { CONTROL = 3, MOST_COPIES = 1024 };
 
 /* --- a copy --- */
 
@@ -146,16 +148,14 @@ int main(void)
     static struct copies copies;
     const struct sigaction action = {.sa_handler = on_child};
     struct pollfd control = {.fd = CONTROL, .events = POLLIN};
-    const struct timespec idle = {.tv_sec = IDLE_SECONDS};
     sigset_t child, usual;
     sigemptyset(&child);
     sigaddset(&child, SIGCHLD);
     sigaction(SIGCHLD, &action, NULL);
     sigprocmask(SIG_BLOCK, &child, &usual);
     for (;;) {
-        const int came = ppoll(&control, 1, &idle, &usual);
+        const int came = ppoll(&control, 1, NULL, &usual);
         bury(&copies);
-        if (came == 0 && copies.count == 0) _exit(0);
         if (came <= 0) continue;
         enum rnd_image_packet kind;
         struct rnd_reader_limits limits;

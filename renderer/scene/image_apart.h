@@ -1,0 +1,27 @@
+/* Pictures read by another program, fovead-image (image_program.h). What it sends is not trusted: sizes are
+ * checked. If a file ends the program's copy that reads it, the error line says so. */
+#ifndef FOVEAD_RENDERER_IMAGE_APART_H
+#define FOVEAD_RENDERER_IMAGE_APART_H
+
+#include "scene/image_io.h"
+#include "scene/image_program.h"
+
+/* One who wants pictures, one after the other. */
+struct rnd_image_reader {
+    struct rnd_image_program *program;
+    struct rnd_reader_limits limits;
+    const atomic_bool *cancel[2]; /* either ends all waiting; each may be NULL */
+    int socket;                   /* -1: there is no copy yet, or it has ended */
+};
+
+/* As rnd_pixels_stream(), in another process. */
+bool rnd_image_read_apart(struct rnd_image_reader *reader, const char *path, const void *memory, size_t count,
+                          enum rnd_pixels_use use, bool want_bytes, struct rnd_pixels_sink *sink,
+                          char *out_error, size_t error_size);
+/* What the picture would begin with. */
+bool rnd_image_size_apart(struct rnd_image_reader *reader, const char *path, const void *memory, size_t count,
+                          enum rnd_pixels_use use, bool want_bytes, struct rnd_picture *out_picture,
+                          char *out_error, size_t error_size);
+void rnd_image_reader_finish(struct rnd_image_reader *reader);
+
+#endif
