@@ -15,10 +15,10 @@
 
 #include "edits.h"
 #include "file.h"
-#include "image.h"
 #include "jobs.h"
 #include "loop.h"
 #include "report.h"
+#include "save.h"
 #include "streams.h"
 #include "trackers.h"
 
@@ -271,7 +271,7 @@ static bool finish(struct daemon *daemon, const struct dmn_work *work)
     const char *save = daemon->options.save;
     char error[RND_ERROR_SIZE];
     struct dmn_gaze_state gaze;
-    bool saved = save && dmn_image_save(daemon->handles.render, save, error);
+    bool saved = save && dmn_save_film(daemon->handles.render, save, error);
     bool recorded = finish_recording(daemon);
 
     dmn_gaze_state(daemon->handles.gaze, &gaze);

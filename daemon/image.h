@@ -8,7 +8,4 @@
 bool dmn_image_write(const char *path, mode_t mode, int width, int height, const float *rgb,
                      bool equirectangular, char out_error[RND_ERROR_SIZE]);
 
-/* As rnd_render_save(). */
-bool dmn_image_save(struct rnd_render *render, const char *path, char out_error[RND_ERROR_SIZE]);
-
 #endif

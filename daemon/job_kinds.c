@@ -1,11 +1,11 @@
 /* The kinds of job that clients ask for. */
 #include "job_kinds.h"
-#include "image.h"
+#include "save.h"
 
 static bool save(const struct dmn_handles *handles, struct dmn_job *job)
 {
     char error[RND_ERROR_SIZE];
-    bool good = dmn_image_save(handles->render, job->path, error);
+    bool good = dmn_save_film(handles->render, job->path, error);
 
     snprintf(job->text, sizeof(job->text), good ? "wrote %.900s" : "%.900s", good ? job->path : error);
     return good;

@@ -1,8 +1,9 @@
 /* Image files for the rest of the project: panoramas and views out, textures' and references' pixels in. */
-#include "image.h"
+#include "exr.h"
 #include "math/srgb.h"
+#include "renderer.h"
+#include "scene/image_io.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -56,9 +57,27 @@ float *rnd_image_read_channel(const char *path, const char *channel, int *out_wi
     return values;
 }
 
-bool rnd_image_write_channels(FILE *file, const char *name, int width, int height, int channels,
-                              const struct rnd_channel *channel, const float *data, bool equirectangular,
-                              char out_error[RND_ERROR_SIZE])
+/* Pixels of a picture in memory. */
+struct picture {
+    struct rnd_pixels_source source; /* first */
+    const float *rgb;
+    size_t row; /* values */
+    bool encode;
+};
+
+static void fill_rows(struct rnd_pixels_source *source, int first, int count, float *out_pixels)
+{
+    const struct picture *picture = (const struct picture *)(const void *)source;
+    const float *from = picture->rgb + (size_t)first * picture->row;
+    const size_t all = (size_t)count * picture->row;
+    if (!picture->encode)
+        memcpy(out_pixels, from, all * sizeof *from);
+    else
+        for (size_t i = 0; i < all; i++) out_pixels[i] = rnd_srgb_encode(from[i]);
+}
+
+bool rnd_image_write(FILE *file, const char *name, int width, int height, const float *rgb,
+                     bool equirectangular, char out_error[RND_ERROR_SIZE])
 {
     const char *dot = strrchr(name, '.'), *slash = strrchr(name, '/');
     char text[RND_ERROR_SIZE / 2];
@@ -67,47 +86,18 @@ bool rnd_image_write_channels(FILE *file, const char *name, int width, int heigh
                  name);
         return false;
     }
-    if (rnd_pixels_write(file, dot + 1, width, height, channels, channel, data, equirectangular, text,
-                         sizeof text))
-        return true;
+    const bool exr = strcasecmp(dot, ".exr") == 0, hdr = strcasecmp(dot, ".hdr") == 0;
+    const enum rnd_channel_type type = exr   ? rnd_exr_type(rgb, (size_t)width * height * 3)
+                                       : hdr ? RND_FLOAT
+                                             : RND_BYTE;
+    struct picture picture = {{fill_rows}, rgb, (size_t)width * 3, !exr && !hdr};
+    struct rnd_layout layout = {.width = width,
+                                .height = height,
+                                .channels = 3,
+                                .channel = {{"R", type}, {"G", type}, {"B", type}},
+                                .equirectangular = equirectangular};
+    snprintf(layout.format, sizeof layout.format, "%s", dot + 1);
+    if (rnd_pixels_write(file, &layout, &picture.source, text, sizeof text)) return true;
     snprintf(out_error, RND_ERROR_SIZE, "%.200s: cannot be written: %s", name, text);
     return false;
-}
-
-enum rnd_channel_type rnd_exr_type(const float *values, size_t count)
-{
-    const float largest_half = 65504.0f;
-    /* Half has steps of 2^-24 below 2^-14, that is of a sixteen-thousandth of this mean. */
-    const double least_mean = 0x1p-10;
-    double sum = 0.0;
-    for (size_t i = 0; i < count; i++) {
-        const float size = fabsf(values[i]);
-        if (size > largest_half) return RND_FLOAT;
-        sum += size;
-    }
-    return sum > 0.0 && sum < least_mean * (double)count ? RND_FLOAT : RND_HALF;
-}
-
-bool rnd_image_write(FILE *file, const char *name, int width, int height, const float *rgb,
-                     bool equirectangular, char out_error[RND_ERROR_SIZE])
-{
-    const char *dot = strrchr(name, '.');
-    const bool exr = dot && strcasecmp(dot, ".exr") == 0, hdr = dot && strcasecmp(dot, ".hdr") == 0;
-    const size_t count = (size_t)width * height * 3;
-    const enum rnd_channel_type type = exr ? rnd_exr_type(rgb, count) : hdr ? RND_FLOAT : RND_BYTE;
-    const struct rnd_channel channel[3] = {{"R", type}, {"G", type}, {"B", type}};
-    if (exr || hdr)
-        return rnd_image_write_channels(file, name, width, height, 3, channel, rgb, equirectangular,
-                                        out_error);
-
-    float *stored = malloc(count * sizeof *stored);
-    if (!stored) {
-        snprintf(out_error, RND_ERROR_SIZE, "%.200s: not enough memory", name);
-        return false;
-    }
-    for (size_t i = 0; i < count; i++) stored[i] = rnd_srgb_encode(rgb[i]);
-    const bool ok =
-        rnd_image_write_channels(file, name, width, height, 3, channel, stored, equirectangular, out_error);
-    free(stored);
-    return ok;
 }

@@ -3,8 +3,8 @@
 #include "film/converge.h"
 #include "film/film.h"
 #include "film/sums.h"
-#include "image.h"
 #include "reconstruct/pull_push.h"
+#include "scene/image_program.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -31,6 +31,7 @@ struct rnd_render *rnd_render_create(const struct rnd_scene *scene, const struct
     if (!render) goto no_memory;
     pthread_mutex_init(&render->whole, NULL);
     render->generation = 1;
+    render->image_program = rnd_image_program_share(scene->image_program);
     if (rnd_film_init(&render->film, width, height, options->error_bar > 0.0f ? options->error_bar : 0.05f) &&
         rnd_integrator_init(&render->integrator, scene, &render->film, &chosen))
         return render;
@@ -45,6 +46,7 @@ void rnd_render_destroy(struct rnd_render *render)
     if (!render) return;
     rnd_integrator_finish(&render->integrator);
     rnd_film_finish(&render->film);
+    rnd_image_program_destroy(render->image_program);
     pthread_mutex_destroy(&render->whole);
     free(render);
 }
@@ -136,31 +138,4 @@ void rnd_render_resolve(struct rnd_render *render, float *out_rgb, float *out_sa
     pthread_mutex_lock(&render->whole);
     rnd_film_resolve(&render->film, out_rgb, out_samples, out_error);
     pthread_mutex_unlock(&render->whole);
-}
-
-bool rnd_render_save(struct rnd_render *render, FILE *file, const char *name, char out_error[RND_ERROR_SIZE])
-{
-    const int width = render->film.width, height = render->film.height;
-    const size_t count = (size_t)width * height;
-    float *plane = malloc(count * 5 * sizeof *plane), *data = malloc(count * 5 * sizeof *data);
-    bool ok = false;
-    if (!plane || !data) {
-        snprintf(out_error, RND_ERROR_SIZE, "%.200s: not enough memory", name);
-    } else {
-        float *samples = plane + 3 * count, *error = samples + count;
-        rnd_render_resolve(render, plane, samples, error);
-        const enum rnd_channel_type colour = rnd_exr_type(plane, 3 * count),
-                                    error_type = rnd_exr_type(error, count);
-        const struct rnd_channel channel[5] = {
-            {"R", colour}, {"G", colour}, {"B", colour}, {"samples", RND_FLOAT}, {"error", error_type}};
-        for (size_t i = 0; i < count; i++) {
-            memcpy(&data[5 * i], &plane[3 * i], 3 * sizeof *data);
-            data[5 * i + 3] = samples[i];
-            data[5 * i + 4] = error[i];
-        }
-        ok = rnd_image_write_channels(file, name, width, height, 5, channel, data, true, out_error);
-    }
-    free(plane);
-    free(data);
-    return ok;
 }

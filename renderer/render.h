@@ -10,6 +10,7 @@ struct rnd_render {
     struct rnd_integrator integrator;
     pthread_mutex_t whole; /* held while the film is read as a whole, and while it is emptied */
     uint32_t generation;   /* of the film, from 1: each restart begins the next */
+    struct rnd_image_program *image_program; /* of the first scene; it stays when the scene changes */
 };
 
 #endif

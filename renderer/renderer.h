@@ -37,12 +37,12 @@ struct rnd_scene;
 
 /* Files are read by programs that lie beside this one, fovead-reader and fovead-image: a file that crashes
  * them, or has them take too much, is refused and takes nothing else with it. The second one takes a while to
- * start, and serves many scenes. NULL if memory is short. */
+ * start, serves many scenes, and writes the films of their renders. NULL if memory is short. */
 struct rnd_image_program *rnd_image_program_create(void);
 /* Start it, if it does not run; this does not wait until it is ready. Else it starts when a picture is
  * wanted. False and a line in out_error if it is not there. */
 bool rnd_image_program_start(struct rnd_image_program *program, char out_error[RND_ERROR_SIZE]);
-/* Accepts NULL. The program ends when no scene has it any more either. */
+/* Accepts NULL. The program ends when no scene and no render has it any more either. */
 void rnd_image_program_destroy(struct rnd_image_program *program);
 
 struct rnd_scene_options {
@@ -262,7 +262,9 @@ bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *
 void rnd_render_resolve(struct rnd_render *render, float *out_rgb, float *out_samples, float *out_error);
 
 /* Write the film as EXR: R, G, B, "samples", "error" (half floats where these hold the values), marked as an
- * equirectangular environment for 360 viewers. file and name as of rnd_image_write(); name ends in .exr. */
+ * equirectangular environment for 360 viewers. fovead-image writes it. It takes 20 bytes a pixel meanwhile.
+ * file is a regular one, open for writing and empty; name is what errors call it. False with a line in
+ * out_error if not all of it is written. */
 bool rnd_render_save(struct rnd_render *render, FILE *file, const char *name, char out_error[RND_ERROR_SIZE]);
 
 /* --- images
@@ -281,8 +283,7 @@ float *rnd_image_read_channel(const char *path, const char *channel, int *out_wi
 /* Write RGB floats, linear: .exr as half floats where these hold them, else as floats; .png, .jpg and what
  * else OpenImageIO writes as 8-bit sRGB, clamped. The end of name tells the format. file is a regular one,
  * open for writing and empty. equirectangular: mark it as a 360-degree panorama. False with a line in
- * out_error if the picture cannot be encoded. That the disk was full shows in ferror(file) alone: whoever
- * closes the file checks it. */
+ * out_error if the picture cannot be encoded, or not all of it is written. */
 bool rnd_image_write(FILE *file, const char *name, int width, int height, const float *rgb,
                      bool equirectangular, char out_error[RND_ERROR_SIZE]);
 

@@ -93,7 +93,7 @@ bool rnd_scene_read(struct rnd_scene *scene, const struct rnd_scene_options *opt
     } else if (WIFEXITED(status) && WEXITSTATUS(status) == RND_READER_REFUSES) {
         take_line(memory, options->path, out_error);
     } else {
-        rnd_reader_why(status, &limits, why, sizeof why);
+        rnd_reader_why("the reader", status, &limits, why, sizeof why);
         snprintf(out_error, RND_ERROR_SIZE, "%.200s: %s", options->path, why);
     }
 end:

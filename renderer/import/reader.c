@@ -86,18 +86,22 @@ pid_t rnd_reader_start(const char *name, char *const arguments[], const int *fd,
     return 0;
 }
 
-void rnd_reader_why(int status, const struct rnd_reader_limits *limits, char *out, size_t size)
+void rnd_reader_why(const char *who, int status, const struct rnd_reader_limits *limits, char *out,
+                    size_t size)
 {
     const int number = WIFSIGNALED(status) ? WTERMSIG(status) : 0,
               code = WIFEXITED(status) ? WEXITSTATUS(status) : 0;
+    const bool full = number == SIGXFSZ || code == RND_READER_MEMORY;
     if (number == SIGXCPU)
-        snprintf(out, size, "the reader took more than %u s", limits->seconds);
+        snprintf(out, size, "%s took more than %u s", who, limits->seconds);
     else if (number == SIGALRM)
-        snprintf(out, size, "the reader was not done after %u s", limits->seconds * RND_READER_PATIENCE);
-    else if (number == SIGXFSZ || code == RND_READER_MEMORY)
-        snprintf(out, size, "the reader took more than %u MiB", limits->mib);
+        snprintf(out, size, "%s was not done after %u s", who, limits->seconds * RND_READER_PATIENCE);
+    else if (full && limits->mib > 0)
+        snprintf(out, size, "%s took more than %u MiB", who, limits->mib);
+    else if (full)
+        snprintf(out, size, "not enough memory");
     else if (number)
-        snprintf(out, size, "the reader crashed (signal %d)", number);
+        snprintf(out, size, "%s crashed (signal %d)", who, number);
     else
-        snprintf(out, size, "the reader ended with status %d", code);
+        snprintf(out, size, "%s ended with status %d", who, code);
 }

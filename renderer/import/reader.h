@@ -18,8 +18,8 @@ enum { RND_READER_REFUSES = 1, RND_READER_MEMORY = 3 };
 enum { RND_READER_PATIENCE = 10 };
 
 struct rnd_reader_limits {
-    uint32_t mib;     /* of memory, besides its own code */
-    uint32_t seconds; /* of processor time */
+    uint32_t mib;     /* of memory, besides its own code; 0: any */
+    uint32_t seconds; /* of processor time; 0: any */
 };
 
 /* What the options say; else 4096 MiB, or half of the machine's memory if that is less, and 20 s and one more
@@ -29,7 +29,7 @@ struct rnd_reader_limits rnd_reader_limits(const struct rnd_scene_options *optio
 /* Seconds of CLOCK_MONOTONIC. */
 double rnd_reader_now(void);
 
-/* In the reader, first of all: end with the parent, and at this limit of memory. */
+/* In the reader, first of all: end with the parent, and at this limit of memory, if it is not 0. */
 void rnd_reader_begin(pid_t parent, uint32_t mib);
 /* In the reader, for each file: end after so much more processor time; 0: at no time. */
 void rnd_reader_limit_time(uint32_t seconds);
@@ -38,8 +38,9 @@ void rnd_reader_limit_time(uint32_t seconds);
  * the environment. SIGINT, SIGTERM and SIGHUP do not end it. 0 and a line in out_error on failure. */
 pid_t rnd_reader_start(const char *name, char *const arguments[], const int *fd, int count,
                        char out_error[RND_ERROR_SIZE]);
-/* "the reader crashed (signal 11)" and the like, of a status as wait() gives it that is neither success nor
- * RND_READER_REFUSES. */
-void rnd_reader_why(int status, const struct rnd_reader_limits *limits, char *out, size_t size);
+/* "the reader crashed (signal 11)" and the like, of who it was, and a status as wait() gives it that is
+ * neither success nor RND_READER_REFUSES. */
+void rnd_reader_why(const char *who, int status, const struct rnd_reader_limits *limits, char *out,
+                    size_t size);
 
 #endif

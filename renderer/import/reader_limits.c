@@ -64,8 +64,9 @@ void rnd_reader_begin(pid_t parent, uint32_t mib)
     signal(SIGFPE, SIG_DFL);
     signal(SIGILL, SIG_DFL);
     limit(RLIMIT_CORE, 0);
-    limit(RLIMIT_FSIZE, (rlim_t)mib << 20);
     rnd_set_new_handler(end);
+    if (mib == 0) return;
+    limit(RLIMIT_FSIZE, (rlim_t)mib << 20);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) /* they take terabytes of addresses */
     limit(RLIMIT_DATA, (rlim_t)mib << 20);
 #endif

@@ -1,19 +1,118 @@
-/* Asking copies of fovead-image for pictures. */
+/* Asking copies of fovead-image for pictures, and to write some. */
 #include "scene/image_apart.h"
 #include "scene/image_packet.h"
 
 #include <errno.h>
+#include <fcntl.h>
+#include <math.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+/* With a copy, about one picture. */
+struct talk {
+    const char *who; /* the copy is, for error lines */
+    int socket;
+    const atomic_bool *cancel[2];
+    struct rnd_reader_limits limits;
+    double last; /* when patience ends: rnd_reader_now() */
+    char *error;
+    size_t error_size;
+    bool over; /* the copy takes nothing more: what it has said tells why */
+    bool gone; /* it has ended, and nothing tells how */
+};
+
+static bool fail(struct talk *talk, const char *what)
+{
+    snprintf(talk->error, talk->error_size, "%s", what);
+    rnd_make_printable(talk->error);
+    return false;
+}
+
+static bool fail_with(struct talk *talk, const char *what)
+{
+    char line[RND_ERROR_SIZE / 2];
+    snprintf(line, sizeof line, "%s %s", talk->who, what);
+    return fail(talk, line);
+}
+
+/* Wait until the socket can be read or written. */
+static bool wait_for(struct talk *talk, short events)
+{
+    enum { LOOK_MS = 50 };
+    struct pollfd one = {.fd = talk->socket, .events = events};
+    for (;;) {
+        for (int i = 0; i < 2; i++)
+            if (talk->cancel[i] && atomic_load(talk->cancel[i]))
+                return fail(talk, "nobody wants it any more");
+        if (rnd_reader_now() > talk->last) return fail_with(talk, "is not done in time");
+        if (poll(&one, 1, LOOK_MS) > 0) return true;
+    }
+}
+
+/* What nobody takes any more is left out, which is no failure: the answer is to come. */
+static bool send_packet(struct talk *talk, enum rnd_image_packet kind, const void *bytes, size_t count,
+                        int fd)
+{
+    while (!talk->over) {
+        if (!wait_for(talk, POLLOUT)) return false;
+        if (rnd_image_send(talk->socket, kind, bytes, count, fd)) return true;
+        talk->over = errno == EPIPE || errno == ECONNRESET;
+        if (!talk->over && errno != EAGAIN) return fail(talk, strerror(errno));
+    }
+    return true;
+}
+
+static bool send_data(struct talk *talk, const void *bytes, size_t count)
+{
+    for (size_t at = 0, n; at < count && !talk->over; at += n) {
+        n = count - at < RND_IMAGE_PACKET_BYTES ? count - at : RND_IMAGE_PACKET_BYTES;
+        if (!send_packet(talk, RND_IMAGE_DATA, (const char *)bytes + at, n, -1)) return false;
+    }
+    return true;
+}
+
+/* The next packet; one that says how the copy ended is a failure. -1 then. */
+static ssize_t receive_packet(struct talk *talk, enum rnd_image_packet *out_kind, void *bytes, size_t count)
+{
+    for (;;) {
+        ssize_t got;
+        int status;
+        if (!wait_for(talk, POLLIN)) return -1;
+        got = rnd_image_receive(talk->socket, out_kind, bytes, count, NULL);
+        /* ECONNRESET comes once, before what was sent, if there is something that the copy has not read */
+        if (got == -1 && (errno == EAGAIN || errno == ECONNRESET)) continue;
+        talk->gone = got < 0;
+        if (talk->gone) return fail_with(talk, "has gone"), -1;
+        if (*out_kind != RND_IMAGE_STATUS) return got;
+        if (got != sizeof status || count < sizeof status) return fail_with(talk, "has gone"), -1;
+        memcpy(&status, bytes, sizeof status);
+        char why[120];
+        rnd_reader_why(talk->who, status, &talk->limits, why, sizeof why);
+        return fail(talk, why), -1;
+    }
+}
+
+/* A line in place of what was expected, behind what it is about. Returns false. */
+static bool take_error(struct talk *talk, const char *about, enum rnd_image_packet kind, const void *text,
+                       size_t count)
+{
+    char line[RND_ERROR_SIZE / 2];
+    if (kind != RND_IMAGE_ERROR || count == 0) return fail_with(talk, "has gone");
+    snprintf(line, sizeof line, "%s%.*s", about, count < sizeof line ? (int)count : (int)sizeof line,
+             (const char *)text);
+    return fail(talk, line);
+}
+
+/* --- reading --- */
+
+static const char NOT_READABLE[] = "not a readable image: ";
+
 /* One picture that is wanted. */
 struct wanted {
-    struct rnd_image_reader *reader;
-    struct rnd_reader_limits limits; /* of this file */
-    double last;                     /* when patience ends: rnd_reader_now() */
+    struct talk talk;
     const char *path;
     const void *memory; /* NULL: it is a file */
     size_t count;       /* bytes of that */
@@ -21,65 +120,7 @@ struct wanted {
     bool want_bytes;
     struct rnd_pixels_sink *sink; /* NULL: only what it begins with is wanted */
     struct rnd_picture picture;
-    char *error;
-    size_t error_size;
-    bool lost; /* the copy ended before the picture began, and no status came: another one is asked once */
 };
-
-static bool fail(struct wanted *wanted, const char *what)
-{
-    snprintf(wanted->error, wanted->error_size, "%s", what);
-    rnd_make_printable(wanted->error);
-    return false;
-}
-
-/* Wait until the socket can be read or written. */
-static bool wait_for(struct wanted *wanted, short events)
-{
-    enum { LOOK_MS = 50 };
-    struct rnd_image_reader *reader = wanted->reader;
-    struct pollfd one = {.fd = reader->socket, .events = events};
-    for (;;) {
-        for (int i = 0; i < 2; i++)
-            if (reader->cancel[i] && atomic_load(reader->cancel[i]))
-                return fail(wanted, "nobody wants it any more");
-        if (rnd_reader_now() > wanted->last) return fail(wanted, "the reader is not done in time");
-        if (poll(&one, 1, LOOK_MS) > 0) return true;
-    }
-}
-
-static bool send_packet(struct wanted *wanted, enum rnd_image_packet kind, const void *bytes, size_t count)
-{
-    for (;;) {
-        if (!wait_for(wanted, POLLOUT)) return false;
-        if (rnd_image_send(wanted->reader->socket, kind, bytes, count, -1)) return true;
-        if (errno == EPIPE || errno == ECONNRESET) return true; /* its status says why */
-        if (errno != EAGAIN) return fail(wanted, strerror(errno));
-    }
-}
-
-/* The next packet; one that says how the reader ended is a failure. -1 then. */
-static ssize_t receive_packet(struct wanted *wanted, enum rnd_image_packet *out_kind, void *bytes,
-                              size_t count)
-{
-    for (;;) {
-        ssize_t got;
-        int status;
-        if (!wait_for(wanted, POLLIN)) return -1;
-        got = rnd_image_receive(wanted->reader->socket, out_kind, bytes, count, NULL);
-        if (got == -1 && errno == EAGAIN) continue;
-        if (got < 0) {
-            wanted->lost = wanted->picture.width == 0; /* a sink that has begun cannot begin again */
-            return fail(wanted, "the reader has gone"), -1;
-        }
-        if (*out_kind != RND_IMAGE_STATUS) return got;
-        if (got != sizeof status || count < sizeof status) return fail(wanted, "the reader has gone"), -1;
-        memcpy(&status, bytes, sizeof status);
-        char why[120];
-        rnd_reader_why(status, &wanted->limits, why, sizeof why);
-        return fail(wanted, why), -1;
-    }
-}
 
 static bool ask(struct wanted *wanted)
 {
@@ -91,16 +132,12 @@ static bool ask(struct wanted *wanted)
                                               .use = wanted->use,
                                               .want_bytes = wanted->want_bytes,
                                               .size_only = !wanted->sink,
-                                              .seconds = wanted->limits.seconds};
-    if (length >= RND_IMAGE_MOST_PATH) return fail(wanted, strerror(ENAMETOOLONG));
+                                              .seconds = wanted->talk.limits.seconds};
+    if (length >= RND_IMAGE_MOST_PATH) return fail(&wanted->talk, strerror(ENAMETOOLONG));
     memcpy(packet, &request, sizeof request);
     memcpy(packet + sizeof request, wanted->path, length);
-    if (!send_packet(wanted, RND_IMAGE_REQUEST, packet, sizeof request + length)) return false;
-    for (size_t at = 0, n; memory && at < count; at += n) {
-        n = count - at < RND_IMAGE_PACKET_BYTES ? count - at : RND_IMAGE_PACKET_BYTES;
-        if (!send_packet(wanted, RND_IMAGE_DATA, (const char *)memory + at, n)) return false;
-    }
-    return true;
+    return send_packet(&wanted->talk, RND_IMAGE_REQUEST, packet, sizeof request + length, -1) &&
+           (!memory || send_data(&wanted->talk, memory, count));
 }
 
 /* Is it a picture that can be? */
@@ -112,42 +149,33 @@ static bool is_picture(const struct rnd_picture *picture, bool want_bytes)
            *(const unsigned char *)&picture->display <= 1;
 }
 
-/* A line in place of what was expected. Returns false. */
-static bool take_error(struct wanted *wanted, enum rnd_image_packet kind, const void *text, size_t count)
-{
-    char line[RND_ERROR_SIZE / 2];
-    if (kind != RND_IMAGE_ERROR || count == 0) return fail(wanted, "the reader has gone");
-    snprintf(line, sizeof line, "not a readable image: %.*s",
-             count < sizeof line ? (int)count : (int)sizeof line, (const char *)text);
-    return fail(wanted, line);
-}
-
 /* All rows, some at a time, into the sink. */
 static bool take_rows(struct wanted *wanted, const struct rnd_picture *picture)
 {
     enum { STRIP_BYTES = 4 << 20 };
+    struct talk *talk = &wanted->talk;
     const size_t row = (size_t)picture->width * (size_t)picture->channels *
                        (picture->bytes ? 1 : sizeof(float)),
                  most = row < STRIP_BYTES ? STRIP_BYTES / row : 1;
     uint8_t *strip = malloc(most * row + RND_IMAGE_PACKET_BYTES);
     size_t have = 0; /* bytes: a packet may end in the next strip */
-    bool ok = strip || fail(wanted, "not enough memory");
+    bool ok = strip || fail(talk, "not enough memory");
     for (int y = 0, rows; ok && y < picture->height; y += rows) {
         const size_t left = (size_t)(picture->height - y);
         rows = (int)(left < most ? left : most);
         const size_t all = (size_t)rows * row;
         while (ok && have < all) {
             enum rnd_image_packet kind;
-            const ssize_t got = receive_packet(wanted, &kind, strip + have, RND_IMAGE_PACKET_BYTES);
+            const ssize_t got = receive_packet(talk, &kind, strip + have, RND_IMAGE_PACKET_BYTES);
             if (got > 0 && kind == RND_IMAGE_DATA)
                 have += (size_t)got;
             else
-                ok = got >= 0 && take_error(wanted, kind, strip + have, (size_t)got);
+                ok = got >= 0 && take_error(talk, NOT_READABLE, kind, strip + have, (size_t)got);
         }
-        ok = ok && (wanted->sink->rows(wanted->sink, y, rows, strip) || fail(wanted, "not enough memory"));
+        ok = ok && (wanted->sink->rows(wanted->sink, y, rows, strip) || fail(talk, "not enough memory"));
         if (ok) memmove(strip, strip + all, have -= all);
     }
-    ok = ok && (have == 0 || fail(wanted, "the reader has gone"));
+    ok = ok && (have == 0 || fail_with(talk, "has gone"));
     free(strip);
     return ok;
 }
@@ -155,38 +183,47 @@ static bool take_rows(struct wanted *wanted, const struct rnd_picture *picture)
 static bool take(struct wanted *wanted)
 {
     char text[RND_ERROR_SIZE];
+    struct talk *talk = &wanted->talk;
     struct rnd_picture *picture = &wanted->picture;
     enum rnd_image_packet kind;
     _Static_assert(sizeof *picture <= sizeof text, "either comes first");
-    ssize_t got = receive_packet(wanted, &kind, text, sizeof text - 1);
+    ssize_t got = receive_packet(talk, &kind, text, sizeof text - 1);
     if (got >= 0 && kind == RND_IMAGE_BEGIN && got == sizeof *picture) {
         memcpy(picture, text, sizeof *picture);
-        if (!is_picture(picture, wanted->want_bytes)) return fail(wanted, "image size out of range");
+        if (!is_picture(picture, wanted->want_bytes)) return fail(talk, "image size out of range");
         if (wanted->sink && !wanted->sink->begin(wanted->sink, picture))
-            return fail(wanted, "not enough memory");
+            return fail(talk, "not enough memory");
         if (wanted->sink && !take_rows(wanted, picture)) return false;
-        got = receive_packet(wanted, &kind, text, sizeof text - 1);
+        got = receive_packet(talk, &kind, text, sizeof text - 1);
     }
     if (got < 0) return false;
-    return (kind == RND_IMAGE_END && picture->width > 0) || take_error(wanted, kind, text, (size_t)got);
+    return (kind == RND_IMAGE_END && picture->width > 0) ||
+           take_error(talk, NOT_READABLE, kind, text, (size_t)got);
 }
 
-static bool get(struct wanted *wanted)
+static bool get(struct rnd_image_reader *reader, struct wanted *wanted, char *out_error, size_t error_size)
 {
-    struct rnd_image_reader *reader = wanted->reader;
     const struct rnd_scene_options options = {.reader_mib = reader->limits.mib,
                                               .reader_seconds = reader->limits.seconds};
+    const struct rnd_reader_limits limits = rnd_reader_limits(&options, wanted->path);
     char error[RND_ERROR_SIZE];
-    bool ok = false;
-    wanted->limits = rnd_reader_limits(&options, wanted->path);
-    for (int turn = 0; turn < 2 && !ok && (turn == 0 || wanted->lost); turn++) {
-        wanted->lost = false;
-        wanted->last = rnd_reader_now() + 2.0 * wanted->limits.seconds * RND_READER_PATIENCE;
+    bool ok = false, again = true;
+    for (int turn = 0; turn < 2 && !ok && again; turn++) {
+        wanted->talk = (struct talk){.who = "the reader",
+                                     .cancel = {reader->cancel[0], reader->cancel[1]},
+                                     .limits = limits,
+                                     .last = rnd_reader_now() + 2.0 * limits.seconds * RND_READER_PATIENCE,
+                                     .error = out_error,
+                                     .error_size = error_size};
         if (reader->socket < 0)
-            reader->socket = rnd_image_program_copy(reader->program, &reader->limits, error);
-        if (reader->socket < 0) return fail(wanted, error);
+            reader->socket = rnd_image_program_copy(reader->program, &reader->limits, &reader->pid, error);
+        if (reader->socket < 0) return fail(&wanted->talk, error);
+        wanted->talk.socket = reader->socket;
         ok = ask(wanted) && take(wanted);
         if (!ok) rnd_image_reader_finish(reader); /* nothing is known of what it does now */
+        /* another copy is asked once, unless a sink has begun, which cannot begin again */
+        again = wanted->talk.gone && wanted->picture.width == 0;
+        if (wanted->talk.gone) rnd_image_program_gone(reader->program, reader->pid);
     }
     return ok;
 }
@@ -195,18 +232,18 @@ bool rnd_image_read_apart(struct rnd_image_reader *reader, const char *path, con
                           enum rnd_pixels_use use, bool want_bytes, struct rnd_pixels_sink *sink,
                           char *out_error, size_t error_size)
 {
-    struct wanted wanted = {reader,     {0, 0}, 0,   path,      memory,     count, use,
-                            want_bytes, sink,   {0}, out_error, error_size, false};
-    return get(&wanted);
+    struct wanted wanted = {
+        .path = path, .memory = memory, .count = count, .use = use, .want_bytes = want_bytes, .sink = sink};
+    return get(reader, &wanted, out_error, error_size);
 }
 
 bool rnd_image_size_apart(struct rnd_image_reader *reader, const char *path, const void *memory, size_t count,
                           enum rnd_pixels_use use, bool want_bytes, struct rnd_picture *out_picture,
                           char *out_error, size_t error_size)
 {
-    struct wanted wanted = {reader,     {0, 0}, 0,   path,      memory,     count, use,
-                            want_bytes, NULL,   {0}, out_error, error_size, false};
-    const bool ok = get(&wanted);
+    struct wanted wanted = {
+        .path = path, .memory = memory, .count = count, .use = use, .want_bytes = want_bytes};
+    const bool ok = get(reader, &wanted, out_error, error_size);
     *out_picture = wanted.picture;
     return ok;
 }
@@ -215,4 +252,63 @@ void rnd_image_reader_finish(struct rnd_image_reader *reader)
 {
     if (reader->socket >= 0) close(reader->socket);
     reader->socket = -1;
+}
+
+/* --- writing --- */
+
+/* All rows, each in packets of its own. */
+static bool send_rows(struct talk *talk, const struct rnd_layout *layout, struct rnd_pixels_source *source)
+{
+    const size_t values = (size_t)layout->width * (size_t)layout->channels;
+    float *row = malloc(values * sizeof *row);
+    bool ok = row || fail(talk, "not enough memory");
+    for (int y = 0; ok && y < layout->height && !talk->over; y++) {
+        source->rows(source, y, 1, row);
+        ok = send_data(talk, row, values * sizeof *row);
+    }
+    free(row);
+    return ok;
+}
+
+/* The file once more, so that a lock of it (flock) remains this program's alone; else itself. */
+static int open_again(int fd)
+{
+    char path[32];
+    snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
+    const int again = open(path, O_WRONLY | O_CLOEXEC);
+    return again >= 0 ? again : fcntl(fd, F_DUPFD_CLOEXEC, 0);
+}
+
+static bool put(struct talk *talk, const struct rnd_layout *layout, struct rnd_pixels_source *source, int fd)
+{
+    char text[RND_ERROR_SIZE];
+    enum rnd_image_packet kind;
+    if (!send_packet(talk, RND_IMAGE_WRITE, layout, sizeof *layout, fd) || !send_rows(talk, layout, source))
+        return false;
+    const ssize_t got = receive_packet(talk, &kind, text, sizeof text);
+    return got >= 0 && (kind == RND_IMAGE_END || take_error(talk, "", kind, text, (size_t)got));
+}
+
+bool rnd_image_write_apart(struct rnd_image_program *program, int fd, const struct rnd_layout *layout,
+                           struct rnd_pixels_source *source, char *out_error, size_t error_size)
+{
+    bool ok = false, again = true;
+    for (int turn = 0; turn < 2 && !ok && again; turn++) {
+        struct talk talk = {
+            .who = "the writer", .last = INFINITY, .error = out_error, .error_size = error_size};
+        char error[RND_ERROR_SIZE];
+        pid_t pid;
+        talk.socket = rnd_image_program_copy(program, &talk.limits, &pid, error);
+        if (talk.socket < 0) return fail(&talk, error);
+        const int own = open_again(fd);
+        if (own < 0 || (turn > 0 && ftruncate(fd, 0) != 0))
+            fail(&talk, strerror(errno));
+        else
+            ok = put(&talk, layout, source, own);
+        if (own >= 0) close(own);
+        close(talk.socket);
+        again = talk.gone; /* another program is started once */
+        if (again) rnd_image_program_gone(program, pid);
+    }
+    return ok;
 }

@@ -7,6 +7,7 @@
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -137,8 +138,7 @@ OIIO::TypeDesc type_of(rnd_channel_type type)
 }
 
 // A file for OpenImageIO's encoders. It takes every byte, also when the disk is full: of encoders that meet a
-// failed write, one ends the program (JPEG) and others go on and report success (EXR, PNG; 2.4.7). stdio
-// remembers.
+// failed write, one ends the program (JPEG) and others go on and report success (EXR, PNG; 2.4.7).
 class Sink : public OIIO::Filesystem::IOProxy
 {
   public:
@@ -146,7 +146,7 @@ class Sink : public OIIO::Filesystem::IOProxy
     const char *proxytype() const override { return "sink"; }
     size_t write(const void *bytes, size_t count) override
     {
-        fwrite(bytes, 1, count, file);
+        note(fwrite(bytes, 1, count, file) == count);
         m_pos += count;
         end = std::max(end, m_pos);
         return count;
@@ -154,14 +154,69 @@ class Sink : public OIIO::Filesystem::IOProxy
     bool seek(int64_t offset) override
     {
         m_pos = offset;
-        return fseeko(file, offset, SEEK_SET) == 0;
+        return note(fseeko(file, offset, SEEK_SET) == 0);
     }
     size_t size() const override { return end; }
+    // What has gone wrong first, as of errno; 0: all is with the system.
+    int finish()
+    {
+        note(fflush(file) == 0 && !ferror(file));
+        return why;
+    }
 
   private:
+    bool note(bool good)
+    {
+        if (!good && why == 0) why = errno != 0 ? errno : EIO;
+        return good;
+    }
+
     FILE *file;
     int64_t end = 0;
+    int why = 0;
 };
+
+OIIO::ImageSpec spec_of(const rnd_layout &layout)
+{
+    const rnd_channel *channel = layout.channel, *last = channel + layout.channels;
+    OIIO::ImageSpec spec(layout.width, layout.height, layout.channels, type_of(channel->type));
+    spec.channelnames.clear();
+    for (const rnd_channel *c = channel; c != last; c++) {
+        spec.channelnames.push_back(c->name);
+        spec.channelformats.push_back(type_of(c->type));
+    }
+    if (std::all_of(channel, last, [&](const rnd_channel &c) { return c.type == channel->type; }))
+        spec.channelformats.clear();
+    // OpenEXR files would get the time of day, and the same picture would be another file.
+    if (strcmp(layout.format, "exr") == 0) spec.attribute("DateTime", "1970:01:01 00:00:00");
+    spec.attribute("Software", "fovead " FOVEAD_VERSION);
+    spec.attribute("compression", "zip");
+    if (layout.equirectangular) {
+        spec.attribute("textureformat", "LatLong Environment"); // OpenEXR: envmap = latlong
+        spec.attribute("GPano:ProjectionType", "equirectangular");
+        spec.attribute("GPano:FullPanoWidthPixels", layout.width);
+        spec.attribute("GPano:FullPanoHeightPixels", layout.height);
+        spec.attribute("GPano:CroppedAreaImageWidthPixels", layout.width);
+        spec.attribute("GPano:CroppedAreaImageHeightPixels", layout.height);
+        spec.attribute("GPano:CroppedAreaLeftPixels", 0);
+        spec.attribute("GPano:CroppedAreaTopPixels", 0);
+    }
+    return spec;
+}
+
+bool write_rows(OIIO::ImageOutput &out, rnd_pixels_source &source)
+{
+    const OIIO::ImageSpec &spec = out.spec();
+    const size_t row = (size_t)spec.width * spec.nchannels;
+    const int strip = strip_of(spec, row * sizeof(float));
+    const std::unique_ptr<float[]> data(new float[strip * row]);
+    for (int y = 0; y < spec.height; y += strip) {
+        const int rows = std::min(strip, spec.height - y);
+        source.rows(&source, y, rows, data.get());
+        if (!out.write_scanlines(y, y + rows, 0, OIIO::TypeDesc::FLOAT, data.get())) return false;
+    }
+    return true;
+}
 
 } // namespace
 
@@ -205,49 +260,29 @@ extern "C" void rnd_pixels_finish(rnd_pixels *pixels)
     *pixels = rnd_pixels();
 }
 
-extern "C" bool rnd_pixels_write(FILE *file, const char *format, int width, int height, int channels,
-                                 const rnd_channel *channel, const float *data, bool equirectangular,
+extern "C" bool rnd_pixels_write(FILE *file, const rnd_layout *layout, rnd_pixels_source *source,
                                  char *out_error, size_t error_size)
 {
+    const std::string format = layout->format;
     try {
         Sink sink(file);
         OIIO::Filesystem::IOProxy *proxy = &sink;
         auto out = OIIO::ImageOutput::create(format);
         if (!out) return fail(out_error, error_size, OIIO::geterror());
         if (!out->supports("ioproxy"))
-            return fail(out_error, error_size, std::string("pictures are not written as .") + format);
+            return fail(out_error, error_size, "pictures are not written as ." + format);
         // libjpeg's JPEG_MAX_DIMENSION; beyond it the library ends the program.
-        if (strcmp(out->format_name(), "jpeg") == 0 && std::max(width, height) > 65500)
+        if (strcmp(out->format_name(), "jpeg") == 0 && std::max(layout->width, layout->height) > 65500)
             return fail(out_error, error_size, "a JPEG has at most 65500 pixels a side");
-        OIIO::ImageSpec spec(width, height, channels, type_of(channel[0].type));
-        spec.channelnames.clear();
-        for (int c = 0; c < channels; c++) {
-            spec.channelnames.push_back(channel[c].name);
-            spec.channelformats.push_back(type_of(channel[c].type));
-        }
-        const bool one_type = std::all_of(channel, channel + channels,
-                                          [&](const rnd_channel &c) { return c.type == channel[0].type; });
-        if (one_type) spec.channelformats.clear();
-        // OpenEXR files would get the time of day, and the same picture would be another file.
-        if (strcmp(format, "exr") == 0) spec.attribute("DateTime", "1970:01:01 00:00:00");
-        spec.attribute("Software", "fovead " FOVEAD_VERSION);
-        spec.attribute("compression", "zip");
-        if (equirectangular) {
-            spec.attribute("textureformat", "LatLong Environment"); // OpenEXR: envmap = latlong
-            spec.attribute("GPano:ProjectionType", "equirectangular");
-            spec.attribute("GPano:FullPanoWidthPixels", width);
-            spec.attribute("GPano:FullPanoHeightPixels", height);
-            spec.attribute("GPano:CroppedAreaImageWidthPixels", width);
-            spec.attribute("GPano:CroppedAreaImageHeightPixels", height);
-            spec.attribute("GPano:CroppedAreaLeftPixels", 0);
-            spec.attribute("GPano:CroppedAreaTopPixels", 0);
-        }
+        OIIO::ImageSpec spec = spec_of(*layout);
         spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
-        if (!out->open(std::string("x.") + format, spec)) return fail(out_error, error_size, out->geterror());
-        const bool ok = out->write_image(OIIO::TypeDesc::FLOAT, data);
+        if (!out->open("x." + format, spec)) return fail(out_error, error_size, out->geterror());
+        const bool ok = write_rows(*out, *source);
         const std::string text = ok ? "" : out->geterror();
-        if (!out->close() || !ok) return fail(out_error, error_size, text);
-        return true;
+        const bool closed = out->close();
+        const int why = sink.finish();
+        if (why != 0) return fail(out_error, error_size, strerror(why));
+        return (ok && closed) || fail(out_error, error_size, text);
     } catch (const std::exception &e) {
         return fail(out_error, error_size, e.what());
     }

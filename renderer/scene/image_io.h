@@ -58,16 +58,29 @@ void rnd_pixels_finish(struct rnd_pixels *pixels);
 enum rnd_channel_type { RND_HALF, RND_FLOAT, RND_BYTE };
 
 struct rnd_channel {
-    const char *name;
+    char name[32];
     enum rnd_channel_type type;
 };
 
-/* Write interleaved floats to a regular file that is open for writing and empty; every channel is stored as
- * its type says (bytes: from 0..1). equirectangular sets the marks by which a viewer of the file's format
- * knows a 360-degree panorama. format is a file name extension. Ask ferror(file) whether a write failed: the
- * libraries behind this crash on a failed write, or ignore it. */
-bool rnd_pixels_write(FILE *file, const char *format, int width, int height, int channels,
-                      const struct rnd_channel *channel, const float *data, bool equirectangular,
+/* What is written. */
+struct rnd_layout {
+    int width, height, channels;
+    struct rnd_channel channel[RND_MAX_CHANNELS];
+    bool equirectangular; /* with the marks by which a viewer knows a 360-degree panorama */
+    char format[16];      /* a file name extension */
+};
+
+/* Who has the pixels. */
+struct rnd_pixels_source {
+    /* Fill count rows of interleaved floats from the first on; asked for in order, all of them, or
+     * again from the first. */
+    void (*rows)(struct rnd_pixels_source *source, int first, int count, float *out_pixels);
+};
+
+/* Write a picture, some rows at a time, to a regular file that is open for writing and empty; every channel
+ * is stored as its type says (bytes: from 0..1). False if it cannot be encoded, or not all of it written.
+ * Error text is one line without the path. */
+bool rnd_pixels_write(FILE *file, const struct rnd_layout *layout, struct rnd_pixels_source *source,
                       char *out_error, size_t error_size);
 
 #ifdef __cplusplus

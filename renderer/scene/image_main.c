@@ -1,5 +1,5 @@
-/* fovead-image: decodes pictures for a program that does not trust them; see image_program.h. Nobody types
- * its name. Descriptor 3 is the socket to that program. */
+/* fovead-image: decodes pictures for a program that does not trust them, and encodes its own; see
+ * image_program.h. Nobody types its name. Descriptor 3 is the socket to that program. */
 #include "scene/image_io.h"
 #include "scene/image_packet.h"
 #include "import/reader.h"
@@ -9,9 +9,9 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/eventfd.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { CONTROL = 3, MOST_COPIES = 1024 };
@@ -59,34 +59,82 @@ static void *receive_file(int socket, uint64_t count)
     return file;
 }
 
+/* What the libraries behind this say when there is no memory. */
+static bool is_short_of_memory(const char *error)
+{
+    return strstr(error, "bad_alloc") || strstr(error, "not enough memory");
+}
+
+static void answer(int socket, bool good, const char *error)
+{
+    if (!good && is_short_of_memory(error)) _exit(RND_READER_MEMORY);
+    rnd_image_send(socket, good ? RND_IMAGE_END : RND_IMAGE_ERROR, error, good ? 0 : strlen(error), -1);
+}
+
+static void read_picture(int socket, const struct rnd_image_request *request, const char *path)
+{
+    struct sender sender = {
+        .sink = {send_begin, send_rows}, .socket = socket, .size_only = request->size_only};
+    char error[RND_ERROR_SIZE / 2] = "";
+    rnd_reader_limit_time(request->seconds);
+    void *file = request->in_memory ? receive_file(socket, request->file_bytes) : NULL;
+    const bool whole = rnd_pixels_stream(path, file, request->file_bytes, (enum rnd_pixels_use)request->use,
+                                         request->want_bytes, &sender.sink, error, sizeof error);
+    answer(socket, whole || (sender.size_only && sender.begun), error);
+    free(file);
+    rnd_reader_limit_time(0);
+}
+
+struct receiver {
+    struct rnd_pixels_source source; /* first */
+    int socket;
+    size_t row; /* bytes */
+};
+
+static void receive_rows(struct rnd_pixels_source *source, int first, int count, float *out_pixels)
+{
+    const struct receiver *receiver = (const struct receiver *)(const void *)source;
+    const size_t all = (size_t)count * receiver->row;
+    enum rnd_image_packet kind;
+    (void)first;
+    for (size_t at = 0; at < all;) {
+        const ssize_t got =
+            rnd_image_receive(receiver->socket, &kind, (char *)out_pixels + at, all - at, NULL);
+        if (got <= 0 || kind != RND_IMAGE_DATA) _exit(0);
+        at += (size_t)got;
+    }
+}
+
+static void write_picture(int socket, const struct rnd_layout *layout, int fd)
+{
+    struct receiver receiver = {
+        {receive_rows}, socket, (size_t)layout->width * (size_t)layout->channels * sizeof(float)};
+    char error[RND_ERROR_SIZE / 2] = "";
+    FILE *file = fdopen(fd, "w");
+    if (!file) _exit(RND_READER_MEMORY);
+    signal(SIGXFSZ, SIG_IGN); /* a file that may not grow so far is an error as a full disk is */
+    answer(socket, rnd_pixels_write(file, layout, &receiver.source, error, sizeof error), error);
+    _exit(0);
+}
+
 static void serve(int socket)
 {
-    struct {
-        struct rnd_image_request request;
-        char path[RND_IMAGE_MOST_PATH];
+    union {
+        struct {
+            struct rnd_image_request request;
+            char path[RND_IMAGE_MOST_PATH];
+        } read;
+        struct rnd_layout write;
     } packet;
-    struct sender sender = {.sink = {send_begin, send_rows}, .socket = socket};
-    char error[RND_ERROR_SIZE / 2] = "";
     for (;;) {
         enum rnd_image_packet kind;
-        const ssize_t got = rnd_image_receive(socket, &kind, &packet, sizeof packet - 1, NULL);
-        if (got < (ssize_t)sizeof packet.request || kind != RND_IMAGE_REQUEST) _exit(0);
-        packet.path[(size_t)got - sizeof packet.request] = '\0';
-        rnd_reader_limit_time(packet.request.seconds);
-        void *file = packet.request.in_memory ? receive_file(socket, packet.request.file_bytes) : NULL;
-        sender.size_only = packet.request.size_only;
-        sender.begun = false;
-        const bool whole = rnd_pixels_stream(packet.path, file, packet.request.file_bytes,
-                                             (enum rnd_pixels_use)packet.request.use,
-                                             packet.request.want_bytes, &sender.sink, error, sizeof error);
-        if (whole || (sender.size_only && sender.begun)) {
-            rnd_image_send(socket, RND_IMAGE_END, "", 0, -1);
-        } else {
-            if (strstr(error, "bad_alloc") || strstr(error, "not enough memory")) _exit(RND_READER_MEMORY);
-            rnd_image_send(socket, RND_IMAGE_ERROR, error, strlen(error), -1);
-        }
-        free(file);
-        rnd_reader_limit_time(0);
+        int fd;
+        const ssize_t got = rnd_image_receive(socket, &kind, &packet, sizeof packet - 1, &fd);
+        if (got == sizeof packet.write && kind == RND_IMAGE_WRITE && fd >= 0)
+            write_picture(socket, &packet.write, fd);
+        if (got < (ssize_t)sizeof packet.read.request || kind != RND_IMAGE_REQUEST) _exit(0);
+        packet.read.path[(size_t)got - sizeof packet.read.request] = '\0';
+        read_picture(socket, &packet.read.request, packet.read.path);
     }
 }
 
@@ -98,21 +146,21 @@ struct copies {
     int socket[MOST_COPIES]; /* of each, for a last word */
 };
 
+static int child_fd; /* can be read when a copy has ended */
+
 static void make_copy(struct copies *copies, int socket, const struct rnd_reader_limits *limits)
 {
-    const pid_t parent = getpid();
-    if (copies->count == MOST_COPIES) {
-        close(socket);
-        return;
-    }
-    const pid_t pid = fork();
+    const pid_t parent = getpid(), pid = copies->count < MOST_COPIES ? fork() : -1;
     if (pid == 0) {
         close(CONTROL);
+        close(child_fd);
         for (int i = 0; i < copies->count; i++) close(copies->socket[i]);
         rnd_reader_begin(parent, limits->mib);
         serve(socket);
     }
     if (pid < 0) {
+        static const char why[] = "too many pictures at a time";
+        rnd_image_send(socket, RND_IMAGE_ERROR, why, strlen(why), -1);
         close(socket);
         return;
     }
@@ -138,33 +186,33 @@ static void bury(struct copies *copies)
         }
 }
 
+/* In any thread: some libraries have made some before main(), so that a call of this one's need not end for
+ * it. */
 static void on_child(int number)
 {
+    const int error = errno;
     (void)number;
+    (void)!eventfd_write(child_fd, 1);
+    errno = error;
 }
 
 int main(void)
 {
     static struct copies copies;
-    const struct sigaction action = {.sa_handler = on_child};
-    struct pollfd control = {.fd = CONTROL, .events = POLLIN};
-    sigset_t child, usual;
-    sigemptyset(&child);
-    sigaddset(&child, SIGCHLD);
+    const struct sigaction action = {.sa_handler = on_child, .sa_flags = SA_RESTART | SA_NOCLDSTOP};
+    struct pollfd event[2] = {{.fd = CONTROL, .events = POLLIN}, {.events = POLLIN}};
+    child_fd = event[1].fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     sigaction(SIGCHLD, &action, NULL);
-    sigprocmask(SIG_BLOCK, &child, &usual);
     for (;;) {
-        const int came = ppoll(&control, 1, NULL, &usual);
-        bury(&copies);
-        if (came <= 0) continue;
+        eventfd_t ended;
+        if (poll(event, 2, -1) < 0) continue;
+        if (eventfd_read(child_fd, &ended) == 0) bury(&copies);
+        if (!event[0].revents) continue;
         enum rnd_image_packet kind;
         struct rnd_reader_limits limits;
         int socket;
         const ssize_t got = rnd_image_receive(CONTROL, &kind, &limits, sizeof limits, &socket);
         if (got < 0) _exit(0); /* nobody is there any more: copies end with it */
-        if (socket < 0) continue;
-        sigprocmask(SIG_SETMASK, &usual, NULL);
-        make_copy(&copies, socket, &limits);
-        sigprocmask(SIG_BLOCK, &child, NULL);
+        if (socket >= 0) make_copy(&copies, socket, &limits);
     }
 }

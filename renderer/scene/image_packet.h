@@ -12,11 +12,13 @@ enum rnd_image_packet {
     RND_IMAGE_COPY,    /* to the program: struct rnd_reader_limits, and the copy's end of a socket */
     RND_IMAGE_REQUEST, /* struct rnd_image_request, then the path; the file's bytes follow, if they are in
                           memory */
-    RND_IMAGE_DATA,    /* bytes: of a file, or of rows */
-    RND_IMAGE_BEGIN,   /* struct rnd_picture; its rows follow, whole rows from the first to the last */
-    RND_IMAGE_END,     /* all rows came; nothing more */
-    RND_IMAGE_ERROR,   /* a line, without the path */
-    RND_IMAGE_STATUS,  /* from the program, when the copy has ended: its status as of wait() */
+    RND_IMAGE_WRITE,  /* struct rnd_layout, and a file that is open for writing; the rows of a picture follow,
+                         each in packets of its own. It is the last that a copy is asked for. */
+    RND_IMAGE_DATA,   /* bytes: of a file, or of rows */
+    RND_IMAGE_BEGIN,  /* struct rnd_picture; its rows follow, whole rows from the first to the last */
+    RND_IMAGE_END,    /* all rows came, or have been written; nothing more */
+    RND_IMAGE_ERROR,  /* a line, without the path */
+    RND_IMAGE_STATUS, /* from the program, when the copy has ended: its status as of wait() */
 };
 
 enum { RND_IMAGE_PACKET_BYTES = 1 << 16, RND_IMAGE_MOST_PATH = 4096 };

@@ -91,8 +91,15 @@ bool rnd_image_program_start(struct rnd_image_program *program, char out_error[R
     return started;
 }
 
+void rnd_image_program_gone(struct rnd_image_program *program, pid_t pid)
+{
+    pthread_mutex_lock(&program->lock);
+    if (program->pid == pid) end(program);
+    pthread_mutex_unlock(&program->lock);
+}
+
 int rnd_image_program_copy(struct rnd_image_program *program, const struct rnd_reader_limits *limits,
-                           char out_error[RND_ERROR_SIZE])
+                           pid_t *out_pid, char out_error[RND_ERROR_SIZE])
 {
     int pair[2];
     bool ok = false;
@@ -103,6 +110,7 @@ int rnd_image_program_copy(struct rnd_image_program *program, const struct rnd_r
              fail(out_error);
         if (!ok) end(program);
     }
+    *out_pid = program->pid;
     pthread_mutex_unlock(&program->lock);
     close(pair[1]);
     if (ok && fcntl(pair[0], F_SETFL, O_NONBLOCK) == 0) return pair[0];

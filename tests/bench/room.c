@@ -175,16 +175,28 @@ static bool close_written(FILE *file, const char *directory, const char *name, c
     return ok;
 }
 
+static float pixel[SIDE * SIDE][4]; /* of the picture that is written */
+
+static void fill_rows(struct rnd_pixels_source *source, int first, int count, float *out_pixels)
+{
+    (void)source;
+    memcpy(out_pixels, pixel[first * SIDE], (size_t)(count * SIDE) * sizeof *pixel);
+}
+
 static bool write_images(const char *directory, char *out_error)
 {
-    static const struct rnd_channel rgba[] = {
-        {"R", RND_BYTE}, {"G", RND_BYTE}, {"B", RND_BYTE}, {"A", RND_BYTE}};
-    static float pixel[SIDE * SIDE][4], sky[32][64][3];
+    static const struct rnd_layout rgba = {
+        .width = SIDE,
+        .height = SIDE,
+        .channels = 4,
+        .channel = {{"R", RND_BYTE}, {"G", RND_BYTE}, {"B", RND_BYTE}, {"A", RND_BYTE}},
+        .format = "png"};
+    static float sky[32][64][3];
+    struct rnd_pixels_source source = {fill_rows};
     for (int k = 0; k < IMAGES; k++) {
         for (int i = 0; i < SIDE * SIDE; i++) paint(k, i % SIDE, i / SIDE, pixel[i]);
         FILE *file = fopen(path_of(directory, image_name[k]), "wb");
-        bool ok = file && rnd_pixels_write(file, "png", SIDE, SIDE, 4, rgba, pixel[0], false, out_error,
-                                           RND_ERROR_SIZE);
+        bool ok = file && rnd_pixels_write(file, &rgba, &source, out_error, RND_ERROR_SIZE);
         if (!close_written(file, directory, image_name[k], out_error) || !ok) return false;
     }
     for (int y = 0; y < 32; y++)

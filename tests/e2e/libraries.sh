@@ -2,11 +2,23 @@
 # What needs no pictures loads no library for them; what does, works also where it is installed.
 . "$(dirname "$0")/common.sh"
 
-# Nothing is loaded later by name: what the program is linked with is what every command of it has.
-LD_TRACE_LOADED_OBJECTS=1 "$foveactl" >libraries
-if grep -e OpenImageIO -e assimp -e embree libraries; then fail "foveactl loads what it has no use for"; fi
-[ "$(wc -l <libraries)" -lt 30 ] || fail "foveactl loads $(wc -l <libraries) libraries: $(cat libraries)"
-LD_TRACE_LOADED_OBJECTS=1 "$programs/foveactl-image" | grep -q OpenImageIO || fail 'OpenImageIO is not to be seen this way'
+# loads PROGRAM NUMBER WORD...: it has fewer libraries than that, and none of those. Nothing is loaded later by name: what a
+# program is linked with is what it has whatever it does.
+loads() {
+    program=$1
+    most=$2
+    shift 2
+    LD_TRACE_LOADED_OBJECTS=1 "$programs/$program" >libraries
+    for word in "$@"; do
+        if grep "$word" libraries; then fail "$program loads what it has no use for"; fi
+    done
+    [ "$(wc -l <libraries)" -lt "$most" ] || fail "$program loads $(wc -l <libraries) libraries: $(cat libraries)"
+}
+loads foveactl 30 OpenImageIO OpenEXR assimp embree
+loads fovead 40 OpenImageIO OpenEXR assimp
+for program in foveactl-image fovead-image; do
+    LD_TRACE_LOADED_OBJECTS=1 "$programs/$program" | grep -q OpenImageIO || fail 'OpenImageIO is not to be seen this way'
+done
 
 # The program that has them is found beside foveactl, by whatever way that is called.
 cmake --install "$programs" --prefix "$place/own" >/dev/null
@@ -16,6 +28,13 @@ for ctl in own/bin/foveactl ./link; do
     grep -q '"mean": 0[.,]' same.json || fail "$(cat same.json)"
     "$ctl" gaze info "$source/fixtures/hall.gaze" >/dev/null
 done
+
+# fovead has its pictures written by the program beside it, and says so at once if that is missing.
+make_room
+own/bin/fovead --scene room.obj --size 128x64 --until 1spp --save own.exr >/dev/null
+"$programs/e2e_mean" own.exr >/dev/null || fail 'no picture'
+rm own/bin/fovead-image
+refused 'own/bin/fovead-image: No such file' own/bin/fovead --scene room.obj --size 128x64 --until 1spp --save none.exr
 rm own/bin/foveactl-image
 refused 'own/bin/foveactl-image: No such file' own/bin/foveactl compare a.png b.png
 refused 'usage: foveactl compare' own/bin/foveactl compare a.png

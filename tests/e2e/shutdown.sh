@@ -28,6 +28,41 @@ start $small
 stop INT
 [ ! -e fovead.sock ] && [ ! -e fovead.sock.lock ] || fail "the socket is left behind"
 
+# Whoever ends it, the picture is kept: one who tells all processes of a group, as a terminal and GNU timeout do, or all
+# that the daemon has started, as systemd does. These end with it.
+family() {
+    echo "$1"
+    for child in $(grep -ls "^PPid:[[:space:]]*$1\$" /proc/[0-9]*/status | cut -d / -f 3); do family "$child"; done
+}
+for way in timeout group-INT group-TERM group-HUP all-TERM; do
+    rm -f end.exr daemon.out
+    case $way in
+    timeout) env --default-signal=HUP timeout 7200 "$fovead" $small --save end.exr >daemon.out 2>daemon.err & ;;
+    *) env --default-signal=HUP setsid "$fovead" $small --save end.exr >daemon.out 2>daemon.err & ;;
+    esac
+    daemon=$!
+    await "the daemon ($way)" is_ready $way
+    all=$(family "$daemon")
+    images=
+    for one in $all; do
+        [ "$(readlink "/proc/$one/exe")" != "$programs/fovead-image" ] || images="$images $one"
+    done
+    [ -n "$images" ] || fail "no fovead-image among $all"
+    case $way in
+    timeout) kill -TERM "$daemon" ;;
+    group-*) kill -s "${way#group-}" -- "-$daemon" ;;
+    all-*) kill "-${way#all-}" $images "$daemon" ;;
+    esac
+    status=0
+    wait "$daemon" || status=$?
+    [ "$status" = 0 ] || fail "status $status ($way): $(cat daemon.err)"
+    daemon=
+    "$programs/e2e_mean" end.exr >/dev/null || fail "no picture ($way)"
+    for one in $images; do
+        [ "$(readlink "/proc/$one/exe")" != "$programs/fovead-image" ] || fail "fovead-image is left behind ($way)"
+    done
+done
+
 # What is not a socket is left alone.
 echo precious >fovead.sock
 refused fovead.sock "$fovead" $small

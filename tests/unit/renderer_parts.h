@@ -16,15 +16,32 @@ static inline void assert_within(const char *what, double value, double expected
     assert_true(fabs(value / expected - 1.0) < files_off(relative));
 }
 
+/* Pixels in memory. */
+struct files_floats {
+    struct rnd_pixels_source source; /* first */
+    const float *data;
+    size_t row; /* values */
+};
+
+static inline void files_rows(struct rnd_pixels_source *source, int first, int count, float *out_pixels)
+{
+    const struct files_floats *floats = (const struct files_floats *)(const void *)source;
+    memcpy(out_pixels, floats->data + (size_t)first * floats->row,
+           (size_t)count * floats->row * sizeof *out_pixels);
+}
+
 /* A picture of any channels: as rnd_pixels_write(), to a path. */
 static inline void files_pixels(const char *path, const char *format, int width, int height, int channels,
                                 const struct rnd_channel *channel, const float *data)
 {
+    struct rnd_layout layout = {.width = width, .height = height, .channels = channels};
+    struct files_floats floats = {{files_rows}, data, (size_t)width * (size_t)channels};
     char error[RND_ERROR_SIZE];
     FILE *file = fopen(path, "wb");
     assert_non_null(file);
-    if (!rnd_pixels_write(file, format, width, height, channels, channel, data, false, error, sizeof error))
-        fail_msg("%s", error);
+    strcpy(layout.format, format);
+    memcpy(layout.channel, channel, (size_t)channels * sizeof *channel);
+    if (!rnd_pixels_write(file, &layout, &floats.source, error, sizeof error)) fail_msg("%s", error);
     assert_int_equal(fclose(file), 0);
 }
 

@@ -1,0 +1,11 @@
+/* save: the film as a file. */
+#ifndef FOVEAD_DAEMON_SAVE_H
+#define FOVEAD_DAEMON_SAVE_H
+
+#include "renderer.h"
+
+/* As rnd_render_save(), to a path, as a file that is there whole or not at all; one that is there is replaced.
+ */
+bool dmn_save_film(struct rnd_render *render, const char *path, char out_error[RND_ERROR_SIZE]);
+
+#endif

@@ -1,0 +1,11 @@
+/* What an EXR holds of values. */
+#ifndef FOVEAD_RENDERER_EXR_H
+#define FOVEAD_RENDERER_EXR_H
+
+#include "scene/image_io.h"
+
+/* How an EXR stores count values: as half floats, or as floats if one is beyond half's range, or if their
+ * mean is so small that half's steps would show. */
+enum rnd_channel_type rnd_exr_type(const float *values, size_t count);
+
+#endif
