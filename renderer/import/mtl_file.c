@@ -118,23 +118,89 @@ static bool read_library(struct rnd_mtl_file *file, const char *obj, const char 
     return ok;
 }
 
-bool rnd_mtl_file_read(struct rnd_mtl_file *file, const char *path, const char *directory,
-                       struct rnd_scene *scene)
+/* --- which libraries an OBJ names --- */
+
+struct mention {
+    char *name;
+    size_t order; /* in the file */
+};
+
+struct mentions {
+    struct mention *mention;
+    size_t count, room;
+};
+
+static int by_name(const void *a, const void *b)
 {
-    const char *dot = strrchr(path, '.');
+    const struct mention *one = a, *other = b;
+    const int order = strcmp(one->name, other->name);
+    return order != 0 ? order : (one->order > other->order) - (one->order < other->order);
+}
+
+static int by_order(const void *a, const void *b)
+{
+    const struct mention *one = a, *other = b;
+    return (one->order > other->order) - (one->order < other->order);
+}
+
+static bool mention(struct mentions *all, const char *name)
+{
+    if (all->count == all->room) {
+        const size_t room = 2 * all->room + 16;
+        struct mention *grown = realloc(all->mention, room * sizeof *grown);
+        if (!grown) return false;
+        all->mention = grown;
+        all->room = room;
+    }
+    all->mention[all->count] = (struct mention){strdup(name), all->count};
+    return all->mention[all->count].name && ++all->count;
+}
+
+static bool find_mentions(struct mentions *all, const char *path)
+{
     char *line = NULL, *rest;
+    const char *why;
     size_t room = 0;
     bool ok = true;
-    *file = (struct rnd_mtl_file){0};
-    if (!dot || strcasecmp(dot, ".obj") != 0) return true;
-    const char *why;
     FILE *from = rnd_open_file(path, &why);
     while (from && ok && getline(&line, &room, from) >= 0)
         if (strncmp(line + strspn(line, blanks), "mtllib", 6) == 0 &&
             strcmp(split(line, &rest), "mtllib") == 0)
-            ok = read_library(file, path, directory, rest, scene);
+            ok = mention(all, rest);
     free(line);
     if (from) fclose(from);
+    return ok;
+}
+
+/* Each is read once, where it is named last: of materials with the same name the last one counts. */
+static void keep_last(struct mentions *all)
+{
+    size_t kept = 0;
+    if (all->count == 0) return;
+    qsort(all->mention, all->count, sizeof *all->mention, by_name);
+    for (size_t i = 0; i < all->count; i++)
+        if (i + 1 < all->count && strcmp(all->mention[i].name, all->mention[i + 1].name) == 0)
+            free(all->mention[i].name);
+        else
+            all->mention[kept++] = all->mention[i];
+    all->count = kept;
+    qsort(all->mention, all->count, sizeof *all->mention, by_order);
+}
+
+bool rnd_mtl_file_read(struct rnd_mtl_file *file, const char *path, const char *directory,
+                       struct rnd_scene *scene)
+{
+    const char *dot = strrchr(path, '.');
+    struct mentions all = {0};
+    *file = (struct rnd_mtl_file){0};
+    if (!dot || strcasecmp(dot, ".obj") != 0) return true;
+    bool ok = find_mentions(&all, path);
+    keep_last(&all);
+    for (size_t i = 0; i < all.count; i++) {
+        ok = ok && read_library(file, path, directory, all.mention[i].name, scene);
+        free(all.mention[i].name);
+    }
+    free(all.mention);
     return ok;
 }
 

@@ -122,6 +122,26 @@ static void mtl_of_exporters(void **state)
     rnd_scene_destroy(scene);
 }
 
+/* A library that is named more than once is read once, where it is named last. */
+static void mtl_named_often(void **state)
+{
+    (void)state;
+    static char text[4096];
+    size_t lines = 0;
+    files_text("one.mtl", "newmtl m\nPr 0.25\n");
+    files_text("other.mtl", "newmtl m\nPr 0.75\n");
+    int n = snprintf(text, sizeof text, "mtllib one.mtl\nmtllib other.mtl\n");
+    for (int i = 0; i < 50; i++) n += snprintf(text + n, sizeof text - (size_t)n, "mtllib gone.mtl\n");
+    snprintf(text + n, sizeof text - (size_t)n,
+             "mtllib one.mtl\nusemtl m\nv -1 0 -1\nv -1 0 1\nv 1 0 1\nf 1 2 3\nmtllib gone.mtl\n");
+    struct rnd_scene *scene = files_load(files_text("often.obj", text), files_env("env.exr", 1), NULL, NULL);
+    NEAR(only(scene)->roughness, 0.25);
+    for (const char *c = rnd_scene_info(scene)->warnings; *c; c++) lines += *c == '\n';
+    assert_non_null(strstr(rnd_scene_info(scene)->warnings, "mtllib gone.mtl"));
+    assert_int_equal(lines, 1);
+    rnd_scene_destroy(scene);
+}
+
 /* Colours of 16 bits are sRGB as those of 8 are, in glTF whatever gAMA says; alpha and normals stay as they
  * are. */
 static void wide_images(void **state)
@@ -200,6 +220,7 @@ int main(void)
         cmocka_unit_test(mtl),
         cmocka_unit_test(wide_images),
         cmocka_unit_test(mtl_of_exporters),
+        cmocka_unit_test(mtl_named_often),
         cmocka_unit_test(cornell_boxes),
     };
     return cmocka_run_group_tests_name("renderer_mtl", tests, files_setup, files_teardown);
