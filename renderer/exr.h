@@ -2,7 +2,7 @@
 #ifndef FOVEAD_RENDERER_EXR_H
 #define FOVEAD_RENDERER_EXR_H
 
-#include "scene/image_io.h"
+#include "import/image_io.h"
 
 /* How an EXR stores count values: as half floats, or as floats if one is beyond half's range, or if their
  * mean is so small that half's steps would show. */

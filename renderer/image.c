@@ -2,7 +2,7 @@
 #include "exr.h"
 #include "math/srgb.h"
 #include "renderer.h"
-#include "scene/image_io.h"
+#include "import/image_io.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 #include "film/film.h"
 #include "film/sums.h"
 #include "reconstruct/pull_push.h"
-#include "scene/image_program.h"
+#include "import/image_program.h"
 
 #include <stdio.h>
 #include <stdlib.h>

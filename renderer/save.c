@@ -1,7 +1,7 @@
 /* The film as a file, which fovead-image writes. */
 #include "exr.h"
 #include "render.h"
-#include "scene/image_apart.h"
+#include "import/image_apart.h"
 
 #include <stdio.h>
 #include <stdlib.h>

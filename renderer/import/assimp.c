@@ -228,8 +228,8 @@ static bool read_materials(struct rnd_import *in, const struct aiScene *file)
     scene->material = calloc(scene->material_count + 1, sizeof *scene->material);
     if (!scene->material) return rnd_import_fail(in, "not enough memory");
     struct rnd_mtl_file mtl;
-    bool ok = rnd_mtl_file_read(&mtl, in->path, in->directory, scene) ||
-              rnd_import_fail(in, "not enough memory");
+    bool ok =
+        rnd_mtl_file_read(&mtl, in->path, in->directory, scene) || rnd_import_fail(in, "not enough memory");
     for (uint32_t i = 0; ok && i < scene->material_count; i++)
         ok = rnd_mtl_material(in, file, file->mMaterials[i], &mtl, &scene->material[i]);
     rnd_mtl_file_finish(&mtl);

@@ -3,7 +3,7 @@
 #include "import/read_scene.h"
 #include "import/reader.h"
 #include "import/records.h"
-#include "scene/image_program.h"
+#include "import/image_program.h"
 #include "import/textures.h"
 #include "import/tree.h"
 #include "light/light.h"

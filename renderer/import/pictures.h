@@ -2,7 +2,7 @@
 #ifndef FOVEAD_RENDERER_PICTURES_H
 #define FOVEAD_RENDERER_PICTURES_H
 
-#include "scene/image_apart.h"
+#include "import/image_apart.h"
 #include "scene/scene.h"
 
 /* The caller finishes it. */

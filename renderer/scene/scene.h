@@ -6,7 +6,6 @@
 #include "renderer.h"
 #include "scene/embree.h"
 #include "scene/files.h"
-#include "scene/image_io.h"
 #include "scene/lights.h"
 #include "scene/record.h"
 #include "scene/texture.h"

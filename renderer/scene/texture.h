@@ -4,7 +4,7 @@
 
 #include "math/v3.h"
 #include "renderer.h"
-#include "scene/image_io.h"
+#include "scene/pixels.h"
 #include "math/srgb.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* The small room: its meshes, images and JSON. One buffer serves all rooms; only the JSON differs. */
 #include "room.h"
 #include "image.h"
-#include "scene/image_io.h"
+#include "import/image_io.h"
 
 #include <jansson.h>
 #include <math.h>

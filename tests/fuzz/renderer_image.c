@@ -6,7 +6,7 @@
  * little in a child that reads a scene. */
 #include "fuzz.h"
 
-#include "scene/image_io.h"
+#include "import/image_io.h"
 
 #include "../sanitized.h"
 

@@ -6,7 +6,7 @@
 
 #include "renderer_files.h"
 
-#include "scene/image_io.h"
+#include "import/image_io.h"
 #include "scene/scene.h"
 
 /* Prints and holds a measured value to what it must be. */

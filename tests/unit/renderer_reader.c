@@ -3,8 +3,8 @@
 #include "renderer_files.h"
 
 #include "import/textures.h"
-#include "scene/image_apart.h"
-#include "scene/image_packet.h"
+#include "import/image_apart.h"
+#include "import/image_packet.h"
 #include "scene/scene.h"
 
 #include <sys/socket.h>

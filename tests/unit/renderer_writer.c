@@ -2,8 +2,8 @@
 #include "renderer_files.h"
 #include "renderer_parts.h"
 
-#include "scene/image_apart.h"
-#include "scene/image_program.h"
+#include "import/image_apart.h"
+#include "import/image_program.h"
 
 #include <dirent.h>
 #include <fcntl.h>

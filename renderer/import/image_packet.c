@@ -1,5 +1,5 @@
 /* Packets about pictures; in both programs. */
-#include "scene/image_packet.h"
+#include "import/image_packet.h"
 
 #include <errno.h>
 #include <string.h>

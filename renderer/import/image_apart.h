@@ -3,8 +3,8 @@
 #ifndef FOVEAD_RENDERER_IMAGE_APART_H
 #define FOVEAD_RENDERER_IMAGE_APART_H
 
-#include "scene/image_io.h"
-#include "scene/image_program.h"
+#include "import/image_io.h"
+#include "import/image_program.h"
 
 /* One who wants pictures, one after the other. */
 struct rnd_image_reader {

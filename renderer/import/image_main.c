@@ -1,7 +1,7 @@
 /* fovead-image: decodes pictures for a program that does not trust them, and encodes its own; see
  * image_program.h. Nobody types its name. Descriptor 3 is the socket to that program. */
-#include "scene/image_io.h"
-#include "scene/image_packet.h"
+#include "import/image_io.h"
+#include "import/image_packet.h"
 #include "import/reader.h"
 
 #include <errno.h>

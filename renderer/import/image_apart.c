@@ -1,6 +1,6 @@
 /* Asking copies of fovead-image for pictures, and to write some. */
-#include "scene/image_apart.h"
-#include "scene/image_packet.h"
+#include "import/image_apart.h"
+#include "import/image_packet.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,6 +1,6 @@
 /* Starting fovead-image, and asking it for copies of itself. */
-#include "scene/image_program.h"
-#include "scene/image_packet.h"
+#include "import/image_program.h"
+#include "import/image_packet.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,5 +1,5 @@
 // OpenImageIO behind image_io.h. Nothing is thrown across the boundary, and nothing else is done here.
-#include "scene/image_io.h"
+#include "import/image_io.h"
 #include "import/open_file.h"
 #include "math/srgb.h"
 

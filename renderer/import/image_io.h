@@ -1,6 +1,8 @@
-/* A C face for OpenImageIO, which has only a C++ one. scene/image_io.cc is the only C++ of the product. */
+/* A C face for OpenImageIO, which has only a C++ one. import/image_io.cc is the only C++ of the product. */
 #ifndef FOVEAD_RENDERER_IMAGE_IO_H
 #define FOVEAD_RENDERER_IMAGE_IO_H
+
+#include "scene/pixels.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -12,13 +14,6 @@ extern "C" {
 #endif
 
 enum { RND_MAX_CHANNELS = 8, RND_MAX_PIXELS = 1 << 30 };
-
-/* What pixels are read for: it decides what their numbers mean. */
-enum rnd_pixels_use {
-    RND_PIXELS_DATA,   /* the numbers as they are stored: normals, roughness, coverage */
-    RND_PIXELS_SRGB,   /* colours: integers are sRGB, whatever the file says (glTF 2.0, section 3.8.3) */
-    RND_PIXELS_COLOUR, /* colours: integers are sRGB, unless the file names another transfer function */
-};
 
 /* Pixels in memory: bytes if the file holds 8-bit integers and bytes were asked for, else floats. One is
  * NULL. Floats of colours are linear light, bytes of colours sRGB; alpha is as it is stored. */
