@@ -141,7 +141,7 @@ void dmn_gaze_close(struct dmn_gaze *gaze)
     free(gaze);
 }
 
-/* --- decisions: with the lock held ---------------------------------------------------------------------- */
+/* --- decisions: with the lock held --- */
 
 /* The viewport is where the head points, or, while the head pose is unknown, where the eyes look. It stays
  * while a lid is down or no eye is seen. */
@@ -221,7 +221,7 @@ static void note_status(struct dmn_gaze *gaze, const struct trk_status *status)
     trk_recentre_set(gaze->attention, gaze->has_rotation ? gaze->rotation : none);
 }
 
-/* --- the source ----------------------------------------------------------------------------------------- */
+/* --- the source --- */
 
 /* Read once. True while more may come. *out_news: clients should be told. */
 static bool read_one(struct dmn_gaze *gaze, uint64_t until_ns, enum trk_result *out_result, bool *out_news)
@@ -291,7 +291,7 @@ void dmn_gaze_advance(struct dmn_gaze *gaze, uint64_t now_ns)
     while (!gaze->ended && result == TRK_SAMPLE && read_one(gaze, now_ns, &result, &news)) continue;
 }
 
-/* --- for whoever asks ----------------------------------------------------------------------------------- */
+/* --- for whoever asks --- */
 
 void dmn_gaze_aim(struct dmn_gaze *gaze, struct rnd_aim *out_aim)
 {
@@ -355,7 +355,7 @@ bool dmn_gaze_has_next(struct dmn_gaze *gaze, uint64_t cursor)
     return found;
 }
 
-/* --- what clients ask for ------------------------------------------------------------------------------- */
+/* --- what clients ask for --- */
 
 void dmn_gaze_freeze(struct dmn_gaze *gaze, bool frozen)
 {

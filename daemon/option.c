@@ -29,7 +29,7 @@ bool dmn_option_refuse(const struct dmn_option_set *set, const char *format, ...
     return false;
 }
 
-/* --- what rows say ----------------------------------------------------------------------------------- */
+/* --- what rows say --- */
 
 void dmn_print_columns(FILE *out, const char *left, int column, const char *text)
 {
@@ -101,7 +101,7 @@ static void put_wants(const struct dmn_option *row, char *out, size_t size)
     if (many && unit) snprintf(out + length, size - (size_t)length, " %s", unit);
 }
 
-/* --- reading arguments ------------------------------------------------------------------------------- */
+/* --- reading arguments --- */
 
 bool dmn_take_flag(const struct dmn_option *option, const char *text, void *values, char *out_error)
 {
@@ -184,7 +184,7 @@ bool dmn_take_floats(const struct dmn_option *option, const char *text, void *va
     return true;
 }
 
-/* --- command lines ----------------------------------------------------------------------------------- */
+/* --- command lines --- */
 
 /* The rows as getopt_long() wants them; the caller frees them. NULL if memory is short. */
 static struct option *make_table(const struct dmn_option *rows)
@@ -274,7 +274,7 @@ enum dmn_option_result dmn_option_parse(const struct dmn_option_set *set, int ar
     return result;
 }
 
-/* --- what goes together ------------------------------------------------------------------------------ */
+/* --- what goes together --- */
 
 static bool is_given(const struct dmn_given *given, const struct dmn_option_set *set,
                      const struct dmn_option *row)

@@ -9,7 +9,7 @@
 
 #define INTO(field) DMN_INTO(struct dmn_options, field)
 
-/* --- arguments of their own kind --------------------------------------------------------------------- */
+/* --- arguments of their own kind --- */
 
 static bool take_sun(const struct dmn_option *option, const char *text, void *values, char *out_error)
 {
@@ -120,7 +120,7 @@ static bool take_clock(const struct dmn_option *option, const char *text, void *
     return out->virtual_clock || !strcmp(text, "real");
 }
 
-/* --- what options need ------------------------------------------------------------------------------- */
+/* --- what options need --- */
 
 /* What its source can do; NULL: there is no gaze, or no such source, which trk_open() refuses. */
 static const struct trk_source_kind *kind_of(const struct dmn_options *options)
@@ -164,7 +164,7 @@ static bool mode_has_viewport(const void *values)
     return ((const struct dmn_options *)values)->render.distribution->has_viewport;
 }
 
-/* --- the rows ---------------------------------------------------------------------------------------- */
+/* --- the rows --- */
 
 static const struct dmn_option ROWS[] = {
     {.help = "What is rendered"},
@@ -382,7 +382,7 @@ static void help(void)
 
 static const struct dmn_option_set SET = {"fovead", ROWS, help};
 
-/* --- what was not given, and what does not go together ----------------------------------------------- */
+/* --- what was not given, and what does not go together --- */
 
 static void fill_in(struct dmn_options *out)
 {

@@ -44,7 +44,7 @@ struct pro_client {
     struct pro_estimate clock;
 };
 
-/* --- sending ------------------------------------------------------------------------------------------- */
+/* --- sending --- */
 
 /* Give the socket what it takes now. */
 static void flush(struct pro_client *client)
@@ -129,7 +129,7 @@ bool pro_send(struct pro_client *client, const Fovea__Message *message, char out
     return drain(client, deadline_ns, out_error);
 }
 
-/* --- receiving ----------------------------------------------------------------------------------------- */
+/* --- receiving --- */
 
 void pro_estimate_add(struct pro_estimate *estimate, uint64_t sent_ns, uint64_t daemon_ns,
                       uint64_t received_ns)
@@ -299,7 +299,7 @@ enum pro_result pro_receive(struct pro_client *client, int timeout_ms, Fovea__Me
     return receive(client, pro_deadline_ns(timeout_ms), out_message, out_error);
 }
 
-/* --- life ---------------------------------------------------------------------------------------------- */
+/* --- life --- */
 
 static bool greet(struct pro_client *client, const Fovea__Hello *hello, uint64_t deadline_ns, int timeout_ms,
                   char out_error[PRO_ERROR_SIZE])

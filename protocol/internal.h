@@ -6,7 +6,7 @@
 
 #pragma GCC visibility push(hidden)
 
-/* --- text ---------------------------------------------------------------------------------------------- */
+/* --- text --- */
 
 /* Write one line into out_error and return false. Control characters become '?': text may come from a peer,
  * and an error is one line. */
@@ -16,7 +16,7 @@ bool pro_fail(char out_error[PRO_ERROR_SIZE], const char *format, ...) __attribu
  * Writes only where there is one, so protobuf-c's constant empty string is safe. */
 void pro_clean(char *text);
 
-/* --- sockets ------------------------------------------------------------------------------------------- */
+/* --- sockets --- */
 
 #define PRO_NEVER UINT64_MAX /* a deadline that does not come */
 
@@ -31,12 +31,12 @@ short pro_wait(int fd, short events, uint64_t deadline_ns);
 int pro_dial(const struct pro_address *address, uint64_t deadline_ns, bool wait_for_daemon,
              char out_error[PRO_ERROR_SIZE]);
 
-/* --- frames -------------------------------------------------------------------------------------------- */
+/* --- frames --- */
 
 /* Is a whole frame held, so that pro_reader_take() will not say PRO_MORE? */
 bool pro_reader_ready(const struct pro_reader *reader);
 
-/* --- clock --------------------------------------------------------------------------------------------- */
+/* --- clock --- */
 
 /* The daemon's clock against ours, from Ping and Pong. The smallest round trip says most, but two machines'
  * clocks drift apart by tens of parts per million: an estimate loses weight with its age. */
@@ -49,7 +49,7 @@ struct pro_estimate {
 void pro_estimate_add(struct pro_estimate *estimate, uint64_t sent_ns, uint64_t daemon_ns,
                       uint64_t received_ns);
 
-/* --- picture ------------------------------------------------------------------------------------------- */
+/* --- picture --- */
 
 /* An empty picture of the film that Welcome describes; NULL and a line in out_error if the sizes make no
  * sense or go beyond the limits in protocol.h. The caller frees with pro_picture_destroy(). */

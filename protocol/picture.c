@@ -149,7 +149,7 @@ double pro_picture_coverage(const struct pro_picture *picture)
     return (double)covered / ((double)film->columns * film->rows);
 }
 
-/* --- resolve ------------------------------------------------------------------------------------------- */
+/* --- resolve --- */
 
 static int32_t clamp(int32_t value, int32_t least, int32_t most)
 {

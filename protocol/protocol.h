@@ -30,7 +30,7 @@ enum {
     PRO_MAX_PIXELS = 1 << 29,     /* of a film in all */
 };
 
-/* --- frames -------------------------------------------------------------------------------------------- */
+/* --- frames --- */
 
 /* Collects bytes as they come and gives whole messages. */
 struct pro_reader {
@@ -70,7 +70,7 @@ void pro_put_length(uint8_t out_prefix[PRO_PREFIX], size_t count);
 /* Pack a message as a frame: as pro_pack_message(), with its length before it. */
 uint8_t *pro_pack(const Fovea__Message *message, size_t headroom, size_t *out_count);
 
-/* --- encodings ----------------------------------------------------------------------------------------- */
+/* --- encodings --- */
 
 /* Encode a tile of size x size RGB floats (linear radiance), size up to PRO_MAX_TILE. Returns malloc'ed bytes
  * (the caller frees) and their count, or NULL when memory is short, or the encoding or the size is not known.
@@ -82,7 +82,7 @@ uint8_t *pro_encode(Fovea__Encoding encoding, const float *rgb, unsigned size, s
  * allocates more than a tile of that size needs, whatever the bytes. Any thread. */
 bool pro_decode(Fovea__Encoding encoding, const uint8_t *bytes, size_t count, unsigned size, float *out_rgb);
 
-/* --- addresses ----------------------------------------------------------------------------------------- */
+/* --- addresses --- */
 
 /* "unix:PATH", "tcp:HOST:PORT" (HOST may be [v6]), a bare path with a '/', or NULL for the default:
  * $XDG_RUNTIME_DIR/fovead.sock, else /tmp/fovead-UID/fovead.sock, whose folder is made if it is missing.
@@ -104,7 +104,7 @@ void pro_address_print(const struct pro_address *address, char *out_text, size_t
  * takes nothing, breaks the connection within about a minute. */
 void pro_tcp_options(int fd);
 
-/* --- client -------------------------------------------------------------------------------------------- */
+/* --- client --- */
 
 /* A connection, used by one thread. */
 struct pro_client;
@@ -139,7 +139,7 @@ bool pro_send(struct pro_client *client, const Fovea__Message *message, char out
  * second. */
 bool pro_clock(const struct pro_client *client, uint64_t *out_round_trip_ns, int64_t *out_offset_ns);
 
-/* --- picture ------------------------------------------------------------------------------------------- */
+/* --- picture --- */
 
 /* The picture that a client has put together from its tiles: for every pixel the finest level that arrived.
  * It belongs to the client and its thread, and takes memory (6 bytes a pixel) only for tiles that came. */

@@ -30,8 +30,7 @@ enum {
     RND_MAX_WIDTH = 32768, /* of a film; the height is half of it */
 };
 
-/* --- scene
- * --------------------------------------------------------------------------------------------------- */
+/* --- scene --- */
 
 struct rnd_scene;
 
@@ -102,8 +101,7 @@ enum rnd_textures rnd_scene_take_textures(struct rnd_scene *scene, const char **
 
 const struct rnd_scene_info *rnd_scene_info(const struct rnd_scene *scene);
 
-/* --- where samples fall
- * -------------------------------------------------------------------------------------- */
+/* --- where samples fall --- */
 
 /* What a batch is aimed at. */
 struct rnd_aim {
@@ -154,8 +152,7 @@ float rnd_eccentricity_polynomial(float u);
 /* Direction from azimuth (right of -Z) and elevation, rad. */
 void rnd_direction(float azimuth, float elevation, float out_direction[3]);
 
-/* --- render
- * -------------------------------------------------------------------------------------------------- */
+/* --- render --- */
 
 struct rnd_render;
 
@@ -210,8 +207,7 @@ void rnd_render_outline(struct rnd_render *render, const struct rnd_aim *aim, ui
 void rnd_render_retrace(struct rnd_render *render, const struct rnd_aim *aim, uint32_t paths,
                         struct rnd_batch *out_batch, double *out_seconds);
 
-/* --- film: any thread may read, while a batch runs
- * ------------------------------------------------------------ */
+/* --- film: any thread may read, while a batch runs --- */
 
 struct rnd_tile {
     uint64_t samples;   /* paths in it */
@@ -267,8 +263,7 @@ void rnd_render_resolve(struct rnd_render *render, float *out_rgb, float *out_sa
  * out_error if not all of it is written. */
 bool rnd_render_save(struct rnd_render *render, FILE *file, const char *name, char out_error[RND_ERROR_SIZE]);
 
-/* --- images
- * -------------------------------------------------------------------------------------------------- */
+/* --- images --- */
 
 /* An image file as width x height x RGB floats, linear. *out_display (may be NULL): whether the file's values
  * are encoded for a display. Integers of any width are, as sRGB, unless the file names another transfer
@@ -293,14 +288,12 @@ bool rnd_image_write(FILE *file, const char *name, int width, int height, const 
 bool rnd_image_view(const float *rgb, int width, int height, const float orientation[4], float fov_x,
                     int out_width, int out_height, float *out_rgb);
 
-/* --- text
- * ------------------------------------------------------------------------------------------------- */
+/* --- text --- */
 
 /* Put blanks for control characters (C0, DEL, C1): names of files and in files may hold anything. */
 void rnd_make_printable(char *text);
 
-/* --- metrics
- * ------------------------------------------------------------------------------------------------- */
+/* --- metrics --- */
 
 /* Two pictures of the same size, or two sequences of frames, and how they are seen. */
 struct rnd_pair {

@@ -69,7 +69,7 @@ void trk_attention_destroy(struct trk_attention *attention)
     free(attention);
 }
 
-/* --- one sample ----------------------------------------------------------------------------------------- */
+/* --- one sample --- */
 
 static void begin_anew(struct trk_attention *a)
 {
@@ -195,7 +195,7 @@ static void take(struct trk_attention *a, const struct trk_sample *sample, uint6
     a->lids_known = known;
 }
 
-/* --- without gaze --------------------------------------------------------------------------------------- */
+/* --- without gaze --- */
 
 static void view_centre(const struct trk_attention *a, float out[3])
 {
@@ -262,7 +262,7 @@ static void pass_time(struct trk_attention *a, uint64_t now_ns)
     }
 }
 
-/* --- the answer ----------------------------------------------------------------------------------------- */
+/* --- the answer --- */
 
 void trk_attend(struct trk_attention *a, const struct trk_sample *sample_or_null, uint64_t now_ns,
                 struct trk_aim *out_aim)
@@ -300,7 +300,7 @@ void trk_attention_view(struct trk_attention *attention, const float orientation
     glm_quat_normalize(attention->view);
 }
 
-/* --- recentring ----------------------------------------------------------------------------------------- */
+/* --- recentring --- */
 
 static double turn_deg(const versor q)
 {

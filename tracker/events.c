@@ -45,7 +45,7 @@ void trk_classifier_init(struct trk_classifier *classifier)
     *classifier = (struct trk_classifier){.state = TRK_FIXATION, .noise_deg = first_noise_deg};
 }
 
-/* --- speeds --------------------------------------------------------------------------------------------- */
+/* --- speeds --- */
 
 struct mean {
     int count;
@@ -150,7 +150,7 @@ static void measure_noise(struct trk_classifier *c)
     c->noise_deg = fmax(c->noise_deg, least_noise_deg);
 }
 
-/* --- states --------------------------------------------------------------------------------------------- */
+/* --- states --- */
 
 static void enter(struct trk_classifier *c, enum trk_state state, uint64_t since_ns)
 {

@@ -109,7 +109,7 @@ static int as_exponent(const struct item *item)
     return whole < -64 || whole > 64 ? 0 : (int)whole;
 }
 
-/* --- units ---------------------------------------------------------------------------------------------- */
+/* --- units --- */
 
 static bool is_power(uint32_t unit, int nibble, uint32_t power)
 {
@@ -164,7 +164,7 @@ static bool scale(const struct globals *now, enum measure measure, struct trk_hi
     return true;
 }
 
-/* --- fields --------------------------------------------------------------------------------------------- */
+/* --- fields --- */
 
 static const struct trk_hid_field *find(const struct trk_hid_layout *layout, enum trk_hid_type type,
                                         enum trk_hid_quantity quantity, int report)
@@ -237,7 +237,7 @@ static void add_fields(struct parser *p, enum trk_hid_type type)
     }
 }
 
-/* --- items ---------------------------------------------------------------------------------------------- */
+/* --- items --- */
 
 static bool bad(const struct parser *p, const struct item *item, const char *what)
 {

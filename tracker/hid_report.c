@@ -73,7 +73,7 @@ bool trk_hid_encode(const struct trk_hid_field *field, uint64_t value, uint8_t *
     return true;
 }
 
-/* --- to our frame --------------------------------------------------------------------------------------- */
+/* --- to our frame --- */
 
 static bool has(const struct trk_hid_values *values, enum trk_hid_quantity first, unsigned count)
 {

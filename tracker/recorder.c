@@ -44,7 +44,7 @@ struct trk_recorder {
     struct trk_sample queue[QUEUE];
 };
 
-/* --- the writer's thread -------------------------------------------------------------------------------- */
+/* --- the writer's thread --- */
 
 /* With the lock held. */
 static void fail(struct trk_recorder *r, const char *what, int error)
@@ -147,7 +147,7 @@ static void *write_all(void *argument)
     return NULL;
 }
 
-/* --- the caller's side ---------------------------------------------------------------------------------- */
+/* --- the caller's side --- */
 
 /* The program's other threads handle signals. */
 static bool start(struct trk_recorder *r)

@@ -75,7 +75,7 @@ bool trk_gaze_direction(const struct trk_sample *sample, float out_head[3], cons
 /* The same in the world frame: turned by the head pose if the sample has one. */
 bool trk_world_direction(const struct trk_sample *sample, float out_world[3]);
 
-/* --- logs ----------------------------------------------------------------------------------------------- */
+/* --- logs --- */
 
 /* A recorded log. All its samples are in memory, packed; trk_log_sample() unpacks one. They are in the order
  * of device_ns, which never goes back. Their arrival_ns is the time of the host that recorded them, where the
@@ -166,7 +166,7 @@ bool trk_log_is_gap(const struct trk_log *log, const struct trk_rate *rate, size
 
 void trk_log_finish(struct trk_log *log);
 
-/* --- sources -------------------------------------------------------------------------------------------- */
+/* --- sources --- */
 
 struct trk_source;
 
@@ -292,7 +292,7 @@ void trk_interrupt(struct trk_source *source);
  * is short, or if seconds hold no sample or more than a log may. The caller frees with trk_log_finish(). */
 bool trk_synthesise(uint64_t seed, double seconds, struct trk_log *out_log);
 
-/* --- what the eye does ---------------------------------------------------------------------------------- */
+/* --- what the eye does --- */
 
 enum trk_state {
     TRK_FIXATION, /* gaze rests in the world, even if the head turns */
@@ -330,7 +330,7 @@ struct trk_events {
 bool trk_events_find(const struct trk_log *log, struct trk_events *out_events);
 void trk_events_finish(struct trk_events *events);
 
-/* --- from gaze to aim ----------------------------------------------------------------------------------- */
+/* --- from gaze to aim --- */
 
 struct trk_attention;
 
@@ -377,7 +377,7 @@ void trk_attention_pace(struct trk_attention *attention, double speed);
  */
 void trk_attention_view(struct trk_attention *attention, const float orientation[4]);
 
-/* --- recentring ----------------------------------------------------------------------------------------- */
+/* --- recentring --- */
 
 /* Correct the gaze of a headset that has slipped: the eyes look at target now (unit, world; NULL: the view's
  * centre). From now on all gaze is turned, in the head frame, by the rotation that takes the measured gaze
@@ -395,7 +395,7 @@ void trk_recentre_print(const float rotation[4], FILE *file);
 /* Read it. False with a line in out_error. */
 bool trk_recentre_load(const char *path, float out_rotation[4], char out_error[TRK_ERROR_SIZE]);
 
-/* --- recording ------------------------------------------------------------------------------------------ */
+/* --- recording --- */
 
 struct trk_recorder;
 

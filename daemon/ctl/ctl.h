@@ -76,7 +76,7 @@ int ctl_run_elsewhere(const struct ctl *ctl);
 #define CTL_NEEDS_IMAGES(run) run
 #endif
 
-/* --- for the commands -------------------------------------------------------------------------------- */
+/* --- for the commands --- */
 
 /* One line on stderr; returns false. */
 bool ctl_fail(const char *format, ...) __attribute__((format(printf, 1, 2)));

@@ -12,7 +12,7 @@
 
 #define INTO(field) DMN_INTO(struct ctl, field)
 
-/* --- arguments of their own kind --------------------------------------------------------------------- */
+/* --- arguments of their own kind --- */
 
 static bool take_address(const struct dmn_option *option, const char *text, void *values, char *out_error)
 {
@@ -68,7 +68,7 @@ static bool take_screen(const struct dmn_option *option, const char *text, void 
     return true;
 }
 
-/* --- the rows ---------------------------------------------------------------------------------------- */
+/* --- the rows --- */
 
 /* --help puts the commands that take an option before its help, but for those of the first heading. */
 static const struct dmn_option ROWS[] = {
@@ -183,7 +183,7 @@ static bool takes(const struct ctl_command *command, const char *option)
     return false;
 }
 
-/* --- --help ------------------------------------------------------------------------------------------ */
+/* --- --help --- */
 
 enum { COMMAND_COLUMN = 29, HELP_SIZE = 640 };
 
@@ -239,7 +239,7 @@ static void help(void)
 
 static const struct dmn_option_set SET = {"foveactl", ROWS, help};
 
-/* --- the command line -------------------------------------------------------------------------------- */
+/* --- the command line --- */
 
 bool ctl_fail(const char *format, ...)
 {

@@ -133,7 +133,7 @@ static bool summarise(const struct trk_log *log, struct summary *out_summary)
     return trk_events_find(log, &out_summary->events) || ctl_fail("out of memory");
 }
 
-/* --- text ----------------------------------------------------------------------------------------------- */
+/* --- text --- */
 
 static double percent(size_t part, const struct trk_log *log)
 {
@@ -184,7 +184,7 @@ static void print_text(const char *path, const struct trk_log *log, const struct
     if (*log->assumed) dmn_print(stdout, "  %-12s %s\n", "assumed", log->assumed);
 }
 
-/* --- JSON ----------------------------------------------------------------------------------------------- */
+/* --- JSON --- */
 
 static json_t *range_json(const struct range *range)
 {
@@ -223,7 +223,7 @@ static bool print_json(const char *path, const struct trk_log *log, const struct
     return ok || ctl_fail("%s: cannot print it as JSON", path);
 }
 
-/* --- the commands --------------------------------------------------------------------------------------- */
+/* --- the commands --- */
 
 static int info(const struct ctl *ctl)
 {

@@ -11,25 +11,30 @@ static void print_table(const Fovea__Welcome *welcome, const Fovea__Stats *s)
     if (*s->refused) dmn_print(stdout, "          the last edit was not taken: %s\n", s->refused);
     if (s->n_eye)
         dmn_print(stdout, "eye       %.6g,%.6g,%.6g m, generation %llu\n", s->eye[0], s->eye[1], s->eye[2],
-               (unsigned long long)s->generation);
+                  (unsigned long long)s->generation);
     dmn_print(stdout, "gaze      %s\n", s->gaze_source);
     dmn_print(stdout, "          %llu samples, %llu valid%s%s\n", (unsigned long long)s->gaze_samples,
-           (unsigned long long)s->gaze_valid, s->frozen ? ", frozen" : "", s->finished ? ", finished" : "");
+              (unsigned long long)s->gaze_valid, s->frozen ? ", frozen" : "",
+              s->finished ? ", finished" : "");
     if (s->tracker) {
         char line[160];
 
         ctl_tracker_line(s->tracker, line, sizeof(line));
         dmn_print(stdout, "          %s\n", line);
     }
-    if (*s->recording) dmn_print(stdout, "recording %s, %llu samples\n", s->recording, (unsigned long long)s->recorded);
+    if (*s->recording)
+        dmn_print(stdout, "recording %s, %llu samples\n", s->recording, (unsigned long long)s->recorded);
     if (*s->recording_error)
-        dmn_print(stdout, "          %llu lost: %s\n", (unsigned long long)s->recording_lost, s->recording_error);
+        dmn_print(stdout, "          %llu lost: %s\n", (unsigned long long)s->recording_lost,
+                  s->recording_error);
     dmn_print(stdout, "film      %ux%u, mode %s\n", welcome->width, welcome->height, welcome->distribution);
-    dmn_print(stdout, "paths     %llu, %.3f M/s, %llu rays, %llu not finite\n", (unsigned long long)s->samples,
-           s->samples_per_second * 1e-6, (unsigned long long)s->rays, (unsigned long long)s->not_finite);
+    dmn_print(stdout, "paths     %llu, %.3f M/s, %llu rays, %llu not finite\n",
+              (unsigned long long)s->samples, s->samples_per_second * 1e-6, (unsigned long long)s->rays,
+              (unsigned long long)s->not_finite);
     dmn_print(stdout, "tiles     %u: %u visited, %u converged, %u settled\n", s->tiles, s->tiles_visited,
-           s->tiles_converged, s->tiles_settled);
-    dmn_print(stdout, "batch     %.2f ms, %.2f ms after its gaze arrived (medians)\n", s->batch_ms, s->gaze_to_batch_ms);
+              s->tiles_converged, s->tiles_settled);
+    dmn_print(stdout, "batch     %.2f ms, %.2f ms after its gaze arrived (medians)\n", s->batch_ms,
+              s->gaze_to_batch_ms);
     dmn_print(stdout, "clients   %u\n", s->clients);
 }
 
@@ -60,7 +65,8 @@ json_t *ctl_eye_json(const float *eye, size_t count)
 static void print_json(const Fovea__Welcome *welcome, const Fovea__Stats *s)
 {
     json_t *object = json_pack(
-        "{s:s, s:s, s:s, s:o, s:I, s:s, s:o, s:s, s:I, s:I, s:s, s:s, s:[I,I], s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:I, "
+        "{s:s, s:s, s:s, s:o, s:I, s:s, s:o, s:s, s:I, s:I, s:s, s:s, s:[I,I], s:I, s:f, s:I, s:I, s:I, s:I, "
+        "s:I, s:I, "
         "s:I, s:I, s:b, s:b, s:f, s:f, s:I}",
         "daemon", welcome->server, "scene", s->scene, "refused", s->refused, "eye",
         ctl_eye_json(s->eye, s->n_eye), "generation", (json_int_t)s->generation, "gaze", s->gaze_source,

@@ -16,7 +16,7 @@
 
 enum { QUALITY = 90, STEPS = 4096 };
 
-/* --- the sRGB curve (IEC 61966-2-1), from tables that are written once and only read from then on ------ */
+/* --- the sRGB curve (IEC 61966-2-1), from tables that are written once and only read from then on --- */
 
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 /* 8-bit code + 1/2 at i / STEPS; interpolated, within 0.005 of the curve. */
@@ -45,7 +45,7 @@ static uint8_t code_from_linear(float x)
     return (uint8_t)(code_table[i] + (at - (float)i) * (code_table[i + 1] - code_table[i]));
 }
 
-/* --- libjpeg ------------------------------------------------------------------------------------------- */
+/* --- libjpeg --- */
 
 struct failure {
     struct jpeg_error_mgr manager; /* first, so that libjpeg's pointer to it is one to this */

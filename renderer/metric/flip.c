@@ -57,8 +57,7 @@ struct flip {
     float largest;             /* colour difference, to the power */
 };
 
-/* --- colours
- * ---------------------------------------------------------------------------------------------- */
+/* --- colours --- */
 
 /* Linear Rec.709 to CIE XYZ relative to its white, and back. */
 static void xyz_of(const float rgb[3], float out[3])
@@ -110,8 +109,7 @@ static float difference_of(const float a[3], const float b[3])
     return powf(fabsf(a[0] - b[0]) + sqrtf(u * u + v * v), 0.7f);
 }
 
-/* --- filters
- * ---------------------------------------------------------------------------------------------- */
+/* --- filters --- */
 
 static double fill_gaussian(struct kernel *kernel, int radius, double amplitude, double falloff)
 {
@@ -214,8 +212,7 @@ static void filter_across(const struct flip *flip, const struct picture *picture
     }
 }
 
-/* --- comparison
- * ------------------------------------------------------------------------------------------- */
+/* --- comparison --- */
 
 static void filtered_lab(const float *result, size_t width, float out[3])
 {

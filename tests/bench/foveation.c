@@ -96,7 +96,7 @@ static bool parse(int count, char **arguments, struct setup *out)
     return bench_options(count, arguments, help, option, NULL, &out->json);
 }
 
-/* --- the observer --------------------------------------------------------------------------------------- */
+/* --- the observer --- */
 
 static void take_truth(struct world *world, const struct trk_truth *truth, double t_s)
 {
@@ -167,7 +167,7 @@ static void forget(struct world *world)
     for (int w = 0; w < WAYS; w++) free(world->gaze[w]);
 }
 
-/* --- measures ------------------------------------------------------------------------------------------- */
+/* --- measures --- */
 
 static double angle_deg(const float a[3], const float b[3])
 {
@@ -313,7 +313,7 @@ static double within_bar(const struct result *result)
     return found / count;
 }
 
-/* --- what is shown -------------------------------------------------------------------------------------- */
+/* --- what is shown --- */
 
 static void print_tables(const struct setup *setup, const struct result *result)
 {

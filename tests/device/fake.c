@@ -47,7 +47,7 @@ static bool is_usb(const struct fake_device *device)
     return device->kind >= FAKE_PSVR2;
 }
 
-/* --- sending -------------------------------------------------------------------------------------------- */
+/* --- sending --- */
 
 static void send_one(struct fake_device *device)
 {
@@ -85,7 +85,7 @@ static void *stream(void *argument)
     return NULL;
 }
 
-/* --- plugging ------------------------------------------------------------------------------------------- */
+/* --- plugging --- */
 
 static char *path_in_bed(const struct fake *fake, const char *node)
 {
@@ -208,7 +208,7 @@ void fake_requests(struct fake_device *device, unsigned *out_start, unsigned *ou
     pthread_mutex_unlock(&device->lock);
 }
 
-/* --- the bed -------------------------------------------------------------------------------------------- */
+/* --- the bed --- */
 
 static void *run_loop(void *argument)
 {

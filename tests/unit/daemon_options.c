@@ -102,7 +102,8 @@ static void everything_said(void **state)
     (void)state;
     run("--scene a.obj --env e.hdr --sun -30,45.5,3,0.53 --eye -1,2,3.5 --gaze replay:g --speed 2 --loop "
         "--mode vp "
-        "--fov 90,80 --size 1024x512 --threads 3 --seed 18446744073709551615 --bounces 7 --clamp 2.5 --clear-glass --listen unix:/a/b "
+        "--fov 90,80 --size 1024x512 --threads 3 --seed 18446744073709551615 --bounces 7 --clamp 2.5 "
+        "--clear-glass --listen unix:/a/b "
         "--listen tcp:127.0.0.1:9 --json --watch",
         &o);
     assert_true(o.watch);

@@ -62,7 +62,7 @@ static void send_done(struct server *server)
     server_send(server, FOVEA__MESSAGE__BODY_DONE, &done);
 }
 
-/* --- tiles --------------------------------------------------------------------------------------------- */
+/* --- tiles --- */
 
 static void script_tiles(struct server *server)
 {
@@ -155,7 +155,7 @@ static void tiles_tcp_jpeg(void **state)
     tiles(true, FOVEA__ENCODING__ENCODING_JPEG, 0.01f);
 }
 
-/* --- acknowledgements ---------------------------------------------------------------------------------- */
+/* --- acknowledgements --- */
 
 enum { MANY = 300 };
 
@@ -261,7 +261,7 @@ static void daemon_that_does_not_read(void **state)
     assert_true(server.acknowledges < 5000 / 4);
 }
 
-/* --- time ---------------------------------------------------------------------------------------------- */
+/* --- time --- */
 
 static void script_quiet(struct server *server)
 {
@@ -347,7 +347,7 @@ static void signals_do_not_shorten(void **state)
     server_finish(&server);
 }
 
-/* --- connecting ---------------------------------------------------------------------------------------- */
+/* --- connecting --- */
 
 static void waits_for_a_late_daemon(void **state)
 {

@@ -36,7 +36,7 @@ static void assert_breaks(void (*script)(struct server *), int variant, const ch
     for (const char *c = error; *c; c++) assert_true((unsigned char)*c >= 0x20);
 }
 
-/* --- somebody else ------------------------------------------------------------------------------------- */
+/* --- somebody else --- */
 
 enum { SOMEBODY_ELSE = 65534 };
 
@@ -83,7 +83,7 @@ static void stranger_hears_nothing(void **state)
     close(ready[0]);
 }
 
-/* --- before Welcome ------------------------------------------------------------------------------------ */
+/* --- before Welcome --- */
 
 static void script_silent(struct server *server)
 {
@@ -206,7 +206,7 @@ static void wrong_first_word(void **state)
     for (int i = 0; i < 8; i++) assert_breaks(script_first_word, i, parts[i]);
 }
 
-/* --- after Welcome ------------------------------------------------------------------------------------- */
+/* --- after Welcome --- */
 
 static void script_bad_tile(struct server *server)
 {
@@ -371,7 +371,7 @@ static void closes_in_the_middle(void **state)
     for (int i = 3; i < 20; i++) assert_breaks(script_half, i, "bytes, where 8388608 is the limit");
 }
 
-/* --- sending ------------------------------------------------------------------------------------------- */
+/* --- sending --- */
 
 static void script_leave(struct server *server)
 {

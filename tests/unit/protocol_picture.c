@@ -110,7 +110,7 @@ static void bilinear_by_hand(void **state)
     pro_picture_destroy(picture);
 }
 
-/* --- against the definition, pixel by pixel, on random pictures ---------------------------------------- */
+/* --- against the definition, pixel by pixel, on random pictures --- */
 
 enum { LEVELS = 5 };
 

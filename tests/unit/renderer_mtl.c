@@ -216,12 +216,9 @@ static void cornell_boxes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(files),
-        cmocka_unit_test(mtl),
-        cmocka_unit_test(wide_images),
-        cmocka_unit_test(mtl_of_exporters),
-        cmocka_unit_test(mtl_named_often),
-        cmocka_unit_test(cornell_boxes),
+        cmocka_unit_test(files),           cmocka_unit_test(mtl),
+        cmocka_unit_test(wide_images),     cmocka_unit_test(mtl_of_exporters),
+        cmocka_unit_test(mtl_named_often), cmocka_unit_test(cornell_boxes),
     };
     return cmocka_run_group_tests_name("renderer_mtl", tests, files_setup, files_teardown);
 }

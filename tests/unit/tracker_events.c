@@ -178,7 +178,7 @@ static void onsets_of_the_observer(void **state)
     onsets_at(0.6, 3, 1.5);
 }
 
-/* --- logs ----------------------------------------------------------------------------------------------- */
+/* --- logs --- */
 
 static struct trk_log script;
 

@@ -206,7 +206,7 @@ static void options_are_followed(void **state)
     told("eyelink_mono.asc", (struct trk_log_options){.screen_fov_deg = 45.47}, 1, 10, 0, 40000000);
 }
 
-/* --- bad input ------------------------------------------------------------------------------------------ */
+/* --- bad input --- */
 
 /* The log with `from` replaced by `to`, once; it is refused on that line for that reason. */
 static void spoiled(const char *file, const char *from, const char *to, int line, const char *why)
@@ -358,8 +358,7 @@ static void units_of_time_are_guessed_or_refused(void **state)
     assert_non_null(strstr(error, "steps of 100, which is no rate of an eye tracker"));
 }
 
-/* --- gzip ------------------------------------------------------------------------------------------------
- */
+/* --- gzip --- */
 
 /* What is damaged is refused; a change that makes the data end too soon is like an end that was cut off. */
 static void damaged_gzip_is_refused(void **state)
@@ -408,8 +407,7 @@ static void cut_gzip_is_read(void **state)
     free(bytes);
 }
 
-/* --- BIDS written ----------------------------------------------------------------------------------------
- */
+/* --- BIDS written --- */
 
 static bool write_bids(const struct trk_log *log, char error[TRK_ERROR_SIZE])
 {

@@ -47,7 +47,7 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* --- figures -------------------------------------------------------------------------------------------- */
+/* --- figures --- */
 
 /* Rows are those of the file; lost ones its flags', dots' or empty fields'; spans its first and last times';
  * steps the middle ones. */
@@ -147,7 +147,7 @@ static void others_are_refused_by_name(void **state)
     }
 }
 
-/* --- signs ---------------------------------------------------------------------------------------------- */
+/* --- signs --- */
 
 /* What the reflex that holds the eye on its target shows over steps of 50 ms without a saccade. */
 struct reflex {

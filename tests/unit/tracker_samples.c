@@ -15,7 +15,7 @@
 #include <stdio.h>
 #include <unistd.h>
 
-/* --- every bit ------------------------------------------------------------------------------------------ */
+/* --- every bit --- */
 
 static uint32_t draw(void)
 {
@@ -114,7 +114,7 @@ static void every_bit(void **state)
     trk_log_finish(&log);
 }
 
-/* --- little room ---------------------------------------------------------------------------------------- */
+/* --- little room --- */
 
 /* What this program has allocated, and the most that it had: malloc() and its like of the whole program are
  * these. Sanitizers have their own. */

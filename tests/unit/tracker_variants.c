@@ -86,7 +86,7 @@ static void lost(size_t i, double ms)
     assert_false(sample_at(&log_read, i)->valid & TRK_DIRECTION);
 }
 
-/* --- Tobii Pro Lab -------------------------------------------------------------------------------------- */
+/* --- Tobii Pro Lab --- */
 
 #define GLASSES                                                                                              \
     "Recording timestamp\tSensor\tEyetracker timestamp\tGaze point X\tGaze point Y\tGaze point 3D X\tGaze "  \
@@ -136,7 +136,7 @@ static void tobii_screen_without_units(void **state)
     refused("Recording timestamp\tFixation point X\tEye movement type\n0\t1\tFixation\n", "unknown header");
 }
 
-/* --- Tobii Pro Glasses 3 -------------------------------------------------------------------------------- */
+/* --- Tobii Pro Glasses 3 --- */
 
 static void glasses3_with_a_point_alone(void **state)
 {
@@ -149,7 +149,7 @@ static void glasses3_with_a_point_alone(void **state)
     lost(1, 20);
 }
 
-/* --- Gazepoint ------------------------------------------------------------------------------------------ */
+/* --- Gazepoint --- */
 
 #define GAZEPOINT                                                                                            \
     "\"CNT\",\"TIME(2026/02/20 "                                                                             \
@@ -178,7 +178,7 @@ static void gazepoint_joins_its_media(void **state)
     refused(GAZEPOINT "0,5,50,0,0,0,0,0,0,\"\"\n1,0,40,0,0,0,0,0,0,\"\"\n", "time goes back by 5 s");
 }
 
-/* --- Pupil Core ----------------------------------------------------------------------------------------- */
+/* --- Pupil Core --- */
 
 #define CORE                                                                                                 \
     "gaze_timestamp,world_index,confidence,norm_pos_x,norm_pos_y,base_data,gaze_point_3d_x,gaze_point_3d_y," \
@@ -201,7 +201,7 @@ static void pupil_core_mapped_in_2d(void **state)
     lost(3, 30);
 }
 
-/* --- 360_em --------------------------------------------------------------------------------------------- */
+/* --- 360_em --- */
 
 /* A head that lies on its left side sees what is to the right in the world below. */
 static void roll_of_360_em(void **state)
@@ -218,7 +218,7 @@ static void roll_of_360_em(void **state)
     assert_float_equal(sample_at(&log_read, 0)->direction[1], -sin(10 * M_PI / 180), 1e-3);
 }
 
-/* --- BIDS ----------------------------------------------------------------------------------------------- */
+/* --- BIDS --- */
 
 #define PHYSIO                                                                                               \
     "{\"PhysioType\": \"eyetrack\", \"RecordedEye\": \"right\", \"SampleCoordinateSystem\": "                \
@@ -256,7 +256,7 @@ static void bids_screens_are_in_the_events(void **state)
     refused(rows, "ScreenOrigin is no corner");
 }
 
-/* --- kinds of faults in other dress --------------------------------------------------------------------- */
+/* --- kinds of faults in other dress --- */
 
 #define DISPLAY                                                                                              \
     "Recording timestamp [ms]\tEvent\tMouse position X\tGaze direction right X [DACS norm]\tGaze direction " \

@@ -41,7 +41,7 @@ struct reader {
     uint64_t sequence;
 };
 
-/* --- the sidecar ---------------------------------------------------------------------------------------- */
+/* --- the sidecar --- */
 
 static bool load_both(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 {
@@ -213,7 +213,7 @@ static bool read_place(struct reader *reader, char out_error[TRK_ERROR_SIZE])
     return trk_reading_signs(reading, "RUF", reader->signs, out_error);
 }
 
-/* --- the rows ------------------------------------------------------------------------------------------- */
+/* --- the rows --- */
 
 static void set_gaze(struct reader *reader, double x, double y, struct trk_sample *sample)
 {

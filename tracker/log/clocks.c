@@ -36,7 +36,7 @@ bool trk_log_clock_count(struct trk_log_clock *clock, int64_t time_ns, struct tr
     return true;
 }
 
-/* --- clocks that do not run ----------------------------------------------------------------------------- */
+/* --- clocks that do not run --- */
 
 /* A clock that is read more often than it ticks also has mostly steps of 0, and between them steps of one
  * sample. A step this long is longer than one sample of any tracker. */

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-/* --- frames --------------------------------------------------------------------------------------------- */
+/* --- frames --- */
 
 bool trk_frame_parse(const char *letters, struct trk_frame *out_frame)
 {
@@ -50,7 +50,7 @@ bool trk_reading_signs(struct trk_reading *reading, const char *own, double out_
     return true;
 }
 
-/* --- screens -------------------------------------------------------------------------------------------- */
+/* --- screens --- */
 
 bool trk_plane_init(struct trk_plane *plane, struct trk_reading *reading, const double size[2], double aspect,
                     double own_fov_deg, const char *what, char out_error[TRK_ERROR_SIZE])
@@ -87,7 +87,7 @@ void trk_angles_direction(double yaw_deg, double pitch_deg, float out_direction[
     out_direction[2] = (float)(-cos(pitch) * cos(yaw));
 }
 
-/* --- samples -------------------------------------------------------------------------------------------- */
+/* --- samples --- */
 
 static uint32_t bit_of(int eye, uint32_t both, uint32_t left)
 {

@@ -7,7 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* --- rows ----------------------------------------------------------------------------------------------- */
+/* --- rows --- */
 
 static bool is_blank(const char *text)
 {
@@ -67,7 +67,7 @@ enum trk_line trk_short_row(struct trk_reading *reading)
     return TRK_LINE_END;
 }
 
-/* --- fields --------------------------------------------------------------------------------------------- */
+/* --- fields --- */
 
 static char *skip_blanks(char *text, char separator)
 {
@@ -149,7 +149,7 @@ char trk_separator_of(const char *line)
     return semicolons == 0 && commas == 0 ? TRK_BLANKS : semicolons >= commas ? ';' : ',';
 }
 
-/* --- values --------------------------------------------------------------------------------------------- */
+/* --- values --- */
 
 bool trk_is_missing(const char *field)
 {

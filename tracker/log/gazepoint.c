@@ -172,7 +172,7 @@ static bool finish(struct reader *reader, char out_error[TRK_ERROR_SIZE])
     return true;
 }
 
-/* --- the export ----------------------------------------------------------------------------------------- */
+/* --- the export --- */
 
 /* TIME and TIMETICK have more in their names: when it began, and how fast it ticks. */
 static bool find_times(struct reader *reader, int place[VALUES], char out_error[TRK_ERROR_SIZE])
@@ -223,7 +223,7 @@ const struct trk_log_format trk_log_gazepoint = {
     .read = read_export,
 };
 
-/* --- the API's records ---------------------------------------------------------------------------------- */
+/* --- the API's records --- */
 
 /* The next NAME="VALUE" of an element, cut out in place. NULL at its end. */
 static char *next_attribute(char **at, char **out_value)

@@ -102,7 +102,7 @@ void trk_lines_rewind(struct trk_lines *lines)
     lines->bytes = lines->number = lines->taken = lines->filled = 0;
 }
 
-/* --- numbers -------------------------------------------------------------------------------------------- */
+/* --- numbers --- */
 
 /* strtof() and strtoll() skip white space before a number; a field must start with it. */
 static bool starts_number(const char *field)

@@ -21,7 +21,7 @@ static const struct trk_log_format *const formats[] = {
 /* clang-format on */
 enum { FORMATS = sizeof formats / sizeof *formats };
 
-/* --- which format --------------------------------------------------------------------------------------- */
+/* --- which format --- */
 
 /* The format by its content; NULL with a message if it is none or may be several. */
 static const struct trk_log_format *detect(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
@@ -65,7 +65,7 @@ static const struct trk_log_format *by_name(const char *name, char out_error[TRK
     return NULL;
 }
 
-/* --- reading -------------------------------------------------------------------------------------------- */
+/* --- reading --- */
 
 bool trk_log_is_from(const struct trk_log *log, const char *path)
 {

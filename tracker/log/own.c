@@ -74,7 +74,7 @@ static const char *column_name(size_t index)
     return index < WHOLE ? whole_names[index] : columns[index - WHOLE].name;
 }
 
-/* --- reading -------------------------------------------------------------------------------------------- */
+/* --- reading --- */
 
 static bool detect(const struct trk_reading *reading)
 {
@@ -169,7 +169,7 @@ const struct trk_log_format trk_log_own = {
     .read = read_own,
 };
 
-/* --- writing -------------------------------------------------------------------------------------------- */
+/* --- writing --- */
 
 /* Write number with a point before its last so many decimals; returns the length. */
 static size_t print_number(char *out, uint64_t number, int decimals)

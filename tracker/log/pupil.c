@@ -25,7 +25,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* --- Core ----------------------------------------------------------------------------------------------- */
+/* --- Core --- */
 
 enum {
     TIME,
@@ -257,7 +257,7 @@ const struct trk_log_format trk_log_pupil_core = {
     .read = read_core,
 };
 
-/* --- Cloud ---------------------------------------------------------------------------------------------- */
+/* --- Cloud --- */
 
 enum { STAMP, AZIMUTH, ELEVATION, CLOUD_COLUMNS };
 static const char *const cloud_names[CLOUD_COLUMNS] = {"timestamp", "azimuth", "elevation"};

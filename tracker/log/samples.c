@@ -71,7 +71,7 @@ struct trk_samples {
     size_t open_index; /* of the open block; SIZE_MAX: none is */
 };
 
-/* --- one block ------------------------------------------------------------------------------------------ */
+/* --- one block --- */
 
 static uint64_t value_at(const struct block *block, int column, size_t row)
 {
@@ -223,7 +223,7 @@ static struct block *pack_block(const struct trk_sample *samples, size_t count)
     return block;
 }
 
-/* --- all of them ---------------------------------------------------------------------------------------- */
+/* --- all of them --- */
 
 /* Pack the open block of count samples in all, if there is one. False when memory is short. */
 static bool close_block(struct trk_samples *samples, size_t count)

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- the header ----------------------------------------------------------------------------------------- */
+/* --- the header --- */
 
 void trk_header_parse(struct trk_header *header, const char *line, char separator)
 {
@@ -77,7 +77,7 @@ static int find_any(const struct trk_header *header, const char *const names[])
     return -1;
 }
 
-/* --- rows ----------------------------------------------------------------------------------------------- */
+/* --- rows --- */
 
 void trk_table_init(struct trk_table *table, struct trk_reading *reading)
 {
@@ -263,7 +263,7 @@ bool trk_table_time(struct trk_table *table, int column, double unit_ns, int64_t
                           table->reading->header.names[column], field);
 }
 
-/* --- guessing the unit of time -------------------------------------------------------------------------- */
+/* --- guessing the unit of time --- */
 
 enum { GUESS_ROWS = 1000 };
 

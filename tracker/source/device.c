@@ -75,7 +75,7 @@ static void set_description(struct trk_device *device)
     pthread_mutex_unlock(&device->source.lock);
 }
 
-/* --- samples -------------------------------------------------------------------------------------------- */
+/* --- samples --- */
 
 static void put(struct trk_device *device, struct trk_sample *sample)
 {
@@ -164,7 +164,7 @@ static uint64_t patience_ns(const struct trk_device *device)
     return (uint64_t)fmin(fmax(silent_periods * period_ns, shortest_silence_ns), longest_silence_ns);
 }
 
-/* --- plugging ------------------------------------------------------------------------------------------- */
+/* --- plugging --- */
 
 /* Open the first device that works. out_error gets the first reason why another could not be opened. */
 static bool search(struct trk_device *device, char out_error[TRK_ERROR_SIZE])
@@ -255,7 +255,7 @@ static void *run(void *argument)
     return NULL;
 }
 
-/* --- the source ----------------------------------------------------------------------------------------- */
+/* --- the source --- */
 
 static void device_close(struct trk_source *source)
 {

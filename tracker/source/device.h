@@ -31,7 +31,7 @@ struct trk_source *trk_device_open(const struct trk_source_row *const *rows, int
                                    const struct trk_source_options *options, bool *out_present,
                                    char out_error[TRK_ERROR_SIZE]);
 
-/* --- for auto ------------------------------------------------------------------------------------------- */
+/* --- for auto --- */
 
 /* Until trk_device_release(): keep only the newest sample that sees an eye, and interrupt other when it
  * comes.

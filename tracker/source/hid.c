@@ -49,7 +49,7 @@ struct hid {
 /* hidapi keeps its last error and whether it was initialised in globals of its own. */
 static pthread_mutex_t hidapi_lock = PTHREAD_MUTEX_INITIALIZER;
 
-/* --- what is there -------------------------------------------------------------------------------------- */
+/* --- what is there --- */
 
 /* Names come from the device, in any script; what is not printable ASCII is of no use in a line. */
 static void append_name(char *out, size_t size, const wchar_t *text)
@@ -173,7 +173,7 @@ static size_t hid_list(struct trk_device_info *out_devices, size_t room)
     return count;
 }
 
-/* --- opening -------------------------------------------------------------------------------------------- */
+/* --- opening --- */
 
 /* Read every feature report that holds a quantity of use, once each. A device need not answer. */
 static void read_features(struct hid *hid)
@@ -337,7 +337,7 @@ static void *hid_attach(struct trk_device *device, const char *path, const struc
     return NULL;
 }
 
-/* --- reading -------------------------------------------------------------------------------------------- */
+/* --- reading --- */
 
 static void take_report(struct hid *hid, size_t size, uint64_t arrival_ns)
 {

@@ -61,7 +61,7 @@ static const uint32_t all_bits = TRK_DIRECTION | TRK_ORIGIN | TRK_HEAD | TRK_LEF
                                  TRK_LEFT_ORIGIN | TRK_LEFT_OPENNESS | TRK_LEFT_PUPIL | TRK_RIGHT_DIRECTION |
                                  TRK_RIGHT_ORIGIN | TRK_RIGHT_OPENNESS | TRK_RIGHT_PUPIL;
 
-/* --- chance --------------------------------------------------------------------------------------------- */
+/* --- chance --- */
 
 /* In (0, 1). SplitMix64 (Steele, Lea and Flood 2014): any seed will do, also neighbouring ones. */
 static double uniform(struct trk_observer *o)
@@ -97,7 +97,7 @@ static double wander(struct trk_observer *o, double value, double rms, double ti
     return value * keep + rms * sqrt(1 - keep * keep) * normal(o);
 }
 
-/* --- directions ----------------------------------------------------------------------------------------- */
+/* --- directions --- */
 
 /* Right and up as seen when looking along a direction. */
 static void tangents(vec3 direction, vec3 out_right, vec3 out_up)
@@ -139,7 +139,7 @@ static void head_pose(const double deg[2], versor out)
     glm_quat_mul(yaw, pitch, out);
 }
 
-/* --- gaze ----------------------------------------------------------------------------------------------- */
+/* --- gaze --- */
 
 /* Position of a point that starts to move with velocity 1 at t = 0, smoothly; Dai et al. 2016, eq. 5. */
 static double smooth_ramp(double t)
@@ -270,7 +270,7 @@ static void turn_head(struct trk_observer *o)
     }
 }
 
-/* --- what the tracker makes of it ----------------------------------------------------------------------- */
+/* --- what the tracker makes of it --- */
 
 static double openness_at(const struct trk_observer *o, double t_s)
 {

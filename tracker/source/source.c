@@ -52,8 +52,7 @@ enum trk_result trk_source_pace(struct trk_source *source, uint64_t offset_ns, u
     return result;
 }
 
-/* --- what every caller goes through -----------------------------------------------------------------------
- */
+/* --- what every caller goes through --- */
 
 void trk_close(struct trk_source *source)
 {

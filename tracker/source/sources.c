@@ -34,7 +34,7 @@ static const struct trk_source_row *const rows[] = {
 /* clang-format on */
 enum { ROWS = sizeof rows / sizeof *rows };
 
-/* --- by name -------------------------------------------------------------------------------------------- */
+/* --- by name --- */
 
 /* The place in the table of the row that a spec names; NULL if there is none. */
 static const struct trk_source_row *const *find(const char *spec)
@@ -127,7 +127,7 @@ struct trk_source *trk_open(const struct trk_source_options *options, char out_e
                         : open_device(row, argument, options, out_error);
 }
 
-/* --- by what is plugged in ------------------------------------------------------------------------------ */
+/* --- by what is plugged in --- */
 
 /* The first device that opens; without one the recording, a word on why, and a watch on what is plugged in.
  */

@@ -75,7 +75,7 @@ struct usb {
     uint64_t retry_at_ns, start_at_ns;
 };
 
-/* --- what is there -------------------------------------------------------------------------------------- */
+/* --- what is there --- */
 
 static const struct usb_tracker *recognise(libusb_device *device)
 {
@@ -126,7 +126,7 @@ static size_t usb_list(struct trk_device_info *out_devices, size_t room)
     return count;
 }
 
-/* --- reading -------------------------------------------------------------------------------------------- */
+/* --- reading --- */
 
 static void submit(struct usb_transfer *t)
 {
@@ -202,7 +202,7 @@ static bool usb_step(void *handle, int wait_ms)
     return !usb->gone && usb->errors < MAX_ERRORS;
 }
 
-/* --- opening and closing -------------------------------------------------------------------------------- */
+/* --- opening and closing --- */
 
 static bool send_calibration(struct usb *usb, const char *path, char out_error[TRK_ERROR_SIZE])
 {
