@@ -76,7 +76,7 @@ static void draw_texels(struct rnd_tracer *tracer, const uint32_t *list, uint32_
     const struct rnd_env *env = tracer->scene->lights.env;
     const struct rnd_env_choice *choice = &tracer->choice->env;
     float(*u)[RND_WAVE] = tracer->number;
-    uint32_t *region = tracer->corner[2];
+    uint32_t *region = tracer->scratch.lights.region;
     for (uint32_t k = 0; k < count; k++) {
         float part;
         out_texel[k] = rnd_env_place(env, choice, u[1][list[k]], u[0][list[k]], &region[k], &part);
@@ -97,7 +97,7 @@ static void choose_env(struct rnd_tracer *tracer, const uint32_t *list, uint32_t
     const struct rnd_paths *paths = &tracer->paths[1];
     struct rnd_light_choices *to = &tracer->chosen;
     float(*u)[RND_WAVE] = tracer->number;
-    uint32_t *texel = tracer->order, *near = tracer->corner[2]; /* drawn, and its neighbour to look at */
+    uint32_t *texel = tracer->scratch.lights.drawn, *near = tracer->scratch.lights.near;
     draw_texels(tracer, list, count, texel, &to->pdf[first]);
     const float choose = tracer->choice->group[RND_LIGHT_ENV];
     const uint32_t which = 128 + (uint32_t)tracer->depth;
@@ -148,7 +148,7 @@ static void choose_area(struct rnd_tracer *tracer, const uint32_t *list, uint32_
     struct rnd_light_choices *to = &tracer->chosen;
     struct rnd_areas *areas = &tracer->areas;
     const struct rnd_alias *alias = tracer->choice->lamps[RND_LIGHT_AREA];
-    uint32_t *entry = tracer->order;
+    uint32_t *entry = tracer->scratch.lights.drawn;
     draw_areas(tracer, list, count, entry);
     for (uint32_t k = 0; k < count; k++) {
         const struct rnd_area *area = &lights->area[entry[k]];
@@ -235,8 +235,8 @@ void ISA(rnd_choose_lights)(struct rnd_tracer *tracer, uint32_t count)
         [RND_LIGHT_SUN] = choose_sun,
         [RND_LIGHT_PUNCTUAL] = choose_punctual,
     };
-    uint32_t number[RND_LIGHT_GROUPS], begin[RND_LIGHT_GROUPS], *group = tracer->corner[0],
-                                                                *rank = tracer->corner[1];
+    uint32_t number[RND_LIGHT_GROUPS], begin[RND_LIGHT_GROUPS], *group = tracer->scratch.lights.group,
+                                                                *rank = tracer->scratch.lights.rank;
     if (!tracer->scene->lights.any) { /* only unlit surfaces, or emitters without coverage */
         memset(tracer->lights.pdf, 0, count * sizeof *tracer->lights.pdf);
         return;

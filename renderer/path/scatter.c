@@ -96,7 +96,7 @@ static void metal_rough(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
 {
     const struct rnd_surfaces *s = &tracer->surfaces;
     struct rnd_scatters *to = &tracer->scatters;
-    uint32_t *folds = tracer->order, any = 0;
+    uint32_t *folds = tracer->scratch.scatter.folds, any = 0;
 #pragma GCC ivdep
     for (size_t j = begin; j < end; j++) {
         const struct rnd_v3_frame frame = rnd_v3_frame(rnd_get(&s->normal, j));
@@ -224,7 +224,7 @@ static void cast_shadows(struct rnd_tracer *tracer, uint32_t count)
     struct rnd_shadows *to = &tracer->shadows;
     /* where glass is clear, light is clamped once the glass has weighed it */
     const float limit = tracer->scene->clear_tree ? INFINITY : rnd_firefly_limit(tracer, tracer->depth);
-    uint32_t *order = tracer->order, n = 0;
+    uint32_t *order = tracer->scratch.scatter.lit, n = 0;
     for (uint32_t j = 0; j < count; j++) {
         order[n] = j;
         n += rnd_v3_luminance(rnd_get(&tracer->scatters.contribution, j)) > 0.0f;
@@ -284,7 +284,7 @@ static uint32_t go_on(struct rnd_tracer *tracer, uint32_t count)
     const struct rnd_surfaces *s = &tracer->surfaces;
     const struct rnd_scatters *way = &tracer->scatters;
     struct rnd_paths *to = &tracer->paths[0];
-    uint32_t *order = tracer->order, alive = 0;
+    uint32_t *order = tracer->scratch.scatter.alive, alive = 0;
     for (uint32_t j = 0; j < count; j++) {
         order[alive] = j;
         alive += way->pdf[j] >= 0.0f;

@@ -1,85 +1,11 @@
-/* From hits to surfaces: which mesh, which material, the normals, the textures. And the light that needs no
- * light to be chosen: the sky's where a ray hit nothing, and what a surface emits itself. */
+/* From hits to surfaces: which mesh, which material, the normals, the textures. */
 #include "path/surface.h"
+#include "path/emission.h"
 #include "material/ggx.h"
 #include "material/point.h"
-#include "light/area.h"
-#include "light/drop.h"
-#include "light/env.h"
-#include "light/sun.h"
-#include "light/light.h"
 #include "material/layered.h"
 
 #include <string.h>
-
-/* --- sky --- */
-
-/* Add light that a path found at the end of its ray: it lights the surface that the ray left. */
-static void add(struct rnd_tracer *tracer, uint32_t id, struct rnd_v3 brought)
-{
-    const struct rnd_v3 radiance = rnd_clamp_firefly(brought, rnd_firefly_limit(tracer, tracer->depth - 1));
-    tracer->io->radiance[0][id] += radiance.x;
-    tracer->io->radiance[1][id] += radiance.y;
-    tracer->io->radiance[2][id] += radiance.z;
-}
-
-/* The environment's texel that each path of a list meets, by its own random neighbour of four, and the one
- * that it falls into, with its region. Both are asked of memory. */
-static void sky_texels(struct rnd_tracer *tracer, const struct rnd_env *env, const uint32_t *list,
-                       uint32_t count, uint32_t *restrict out_near, uint32_t *restrict out_in,
-                       uint32_t *restrict out_region)
-{
-    const struct rnd_paths *paths = &tracer->paths[0];
-    const uint32_t which = 256 + (uint32_t)tracer->depth;
-#pragma GCC ivdep
-    for (size_t k = 0; k < count; k++) {
-        const uint32_t i = list[k];
-        float u, v, r, s;
-        rnd_env_to_uv(env, rnd_get(&paths->direction, i), &u, &v);
-        rnd_dither(paths->seed[i], paths->index[i], which, &r, &s);
-        out_near[k] = rnd_env_texel(env, u, v, r, s);
-        out_in[k] = rnd_env_texel(env, u, v, 0.5f, 0.5f);
-        out_region[k] = rnd_env_region(env, u, v);
-    }
-    for (uint32_t k = 0; k < count; k++) {
-        __builtin_prefetch(env->texel[out_near[k]]);
-        __builtin_prefetch(env->texel[out_in[k]]);
-    }
-}
-
-/* The paths of a list left the scene: environment and sun. */
-static void sky(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count)
-{
-    const struct rnd_lights *lights = &tracer->scene->lights;
-    const struct rnd_paths *paths = &tracer->paths[0];
-    const struct rnd_env *env = lights->env;
-    const struct rnd_sun *sun = lights->sun && lights->sun->drop > 0.0f ? lights->sun : NULL;
-    uint32_t *near = tracer->corner[0], *in = tracer->corner[1],
-             *region = tracer->corner[2]; /* not in use yet */
-    if (env) sky_texels(tracer, env, list, count, near, in, region);
-    for (uint32_t k = 0; k < count; k++) {
-        const uint32_t i = list[k];
-        const struct rnd_v3 direction = rnd_get(&paths->direction, i);
-        struct rnd_v3 radiance = {0, 0, 0};
-        if (env) {
-            const float *t = env->texel[near[k]],
-                        density = env->texel[in[k]][3] * tracer->choice->env.factor[region[k]];
-            const float level = sqrtf(direction.x * direction.x + direction.z * direction.z);
-            const float other = tracer->choice->group[RND_LIGHT_ENV] * density / rnd_larger(level, 1e-6f);
-            const float weight = paths->pdf[i] > 0.0f ? rnd_power_heuristic(paths->pdf[i], other) : 1.0f;
-            radiance = rnd_v3_scale(rnd_v3(t[0], t[1], t[2]), weight);
-        }
-        if (sun && rnd_drop(direction, sun->direction) <= sun->drop) {
-            const float other = tracer->choice->group[RND_LIGHT_SUN] * rnd_sun_pdf(sun);
-            const float weight = paths->pdf[i] > 0.0f ? rnd_power_heuristic(paths->pdf[i], other) : 1.0f;
-            radiance = rnd_v3_muladd(sun->radiance, weight, radiance);
-        }
-        if (rnd_has_media(tracer) && paths->media[i])
-            radiance =
-                rnd_v3_mul(radiance, rnd_media_transmittance(tracer->scene, paths->media[i], INFINITY));
-        add(tracer, paths->id[i], rnd_v3_mul(radiance, rnd_get(&paths->throughput, i)));
-    }
-}
 
 /* --- order --- */
 
@@ -152,7 +78,7 @@ static void face(struct rnd_tracer *tracer, uint32_t count)
     const struct rnd_record *records = tracer->scene->record;
     const struct rnd_paths *paths = &tracer->paths[1];
     struct rnd_surfaces *s = &tracer->surfaces;
-    uint32_t(*corner)[RND_WAVE] = tracer->corner;
+    uint32_t(*corner)[RND_WAVE] = tracer->scratch.surface.corner;
     for (uint32_t j = 0; j < count; j++) {
         const struct rnd_record *record = &records[s->record[j]];
         corner[0][j] = record->normal[0];
@@ -397,7 +323,7 @@ static void pass_border(struct rnd_tracer *tracer, uint32_t j, struct rnd_surfac
 {
     const struct rnd_hits *hits = &tracer->hits;
     struct rnd_surfaces *s = &tracer->surfaces;
-    const uint32_t i = tracer->order[j];
+    const uint32_t i = tracer->scratch.surface.order[j];
     const struct rnd_v3 at = rnd_get(&tracer->paths[1].origin, j);
     const struct rnd_border border = {.at = at,
                                       .normal = rnd_get(&s->geometric, j),
@@ -415,7 +341,7 @@ static void rich_points(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
     const struct rnd_surfaces *s = &tracer->surfaces;
     struct rnd_paths *paths = &tracer->paths[1];
     for (uint32_t j = begin; j < end; j++) {
-        const uint32_t i = tracer->order[j];
+        const uint32_t i = tracer->scratch.surface.order[j];
         const vec3s direction = rnd_from_v3(rnd_get(&paths->direction, j));
         struct rnd_hit hit = {.mesh = s->mesh[j],
                               .triangle = s->triangle[j],
@@ -429,7 +355,8 @@ static void rich_points(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
         rnd_surface_at(scene, &hit, direction, surface);
         if (surface->material->medium) pass_border(tracer, j, surface);
         if (surface->material->unlit)
-            add(tracer, paths->id[j], rnd_v3_mul(rnd_get(&paths->throughput, j), rnd_to_v3(surface->base)));
+            rnd_add_radiance(tracer, paths->id[j],
+                             rnd_v3_mul(rnd_get(&paths->throughput, j), rnd_to_v3(surface->base)));
     }
 }
 
@@ -454,7 +381,7 @@ uint32_t ISA(rnd_surface)(struct rnd_tracer *tracer, uint32_t count)
         __builtin_prefetch(&scene->record[mesh->first_record + hits->primitive[i]]);
         list[kind][number[kind]++] = i;
     }
-    uint32_t *order = tracer->order, hit = 0;
+    uint32_t *order = tracer->scratch.surface.order, hit = 0;
     for (int kind = 0; kind <= RND_RICH; kind++) {
         for (uint32_t k = 0; k < number[kind]; k++) {
             const uint32_t i = list[kind][k];
@@ -467,7 +394,7 @@ uint32_t ISA(rnd_surface)(struct rnd_tracer *tracer, uint32_t count)
         }
         s->end[kind] = hit;
     }
-    sky(tracer, miss, missed);
+    ISA(rnd_sky)(tracer, miss, missed);
     gather(tracer, order, hit);
     face(tracer, hit);
     if (scene->instance_count > 0) face_instances(tracer, hit);
@@ -478,29 +405,4 @@ uint32_t ISA(rnd_surface)(struct rnd_tracer *tracer, uint32_t count)
     }
     rich_points(tracer, s->end[RND_METAL_ROUGH], hit);
     return hit;
-}
-
-void ISA(rnd_emission)(struct rnd_tracer *tracer, uint32_t count)
-{
-    const struct rnd_scene *scene = tracer->scene;
-    const struct rnd_lights *lights = &scene->lights;
-    const struct rnd_paths *paths = &tracer->paths[1];
-    const struct rnd_surfaces *s = &tracer->surfaces;
-    const struct rnd_alias *alias = tracer->choice->lamps[RND_LIGHT_AREA];
-    if (lights->area_count == 0) return;
-    for (uint32_t j = 0; j < count; j++) {
-        const struct rnd_mesh *mesh = &scene->mesh[s->mesh[j]];
-        if (mesh->first_light == UINT32_MAX) continue;
-        const uint32_t drawn = rnd_area_at(lights, mesh->first_light + s->triangle[j], s->u[j], s->v[j]);
-        const struct rnd_area *area = &lights->area[drawn];
-        if (!s->front[j] && !(area->flags & RND_AREA_DOUBLE)) continue;
-        const struct rnd_v3 direction = rnd_get(&paths->direction, j);
-        float weight = 1.0f;
-        if (paths->pdf[j] > 0.0f && lights->has[RND_LIGHT_AREA])
-            weight = rnd_power_heuristic(
-                paths->pdf[j], tracer->choice->group[RND_LIGHT_AREA] *
-                                   rnd_area_pdf(area, alias->probability[drawn], direction, s->distance[j]));
-        const struct rnd_v3 radiance = rnd_v3_scale(rnd_area_emission(scene, area, s->u[j], s->v[j]), weight);
-        add(tracer, paths->id[j], rnd_v3_mul(radiance, rnd_get(&paths->throughput, j)));
-    }
 }

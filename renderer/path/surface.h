@@ -7,7 +7,4 @@
 /* Of count rays that were traced from paths 0: add the sky's radiance for those that hit nothing. The others
  * go to paths 1, sorted by kind of material, with their surfaces. Returns their number. */
 RND_EACH_ISA(uint32_t, rnd_surface, struct rnd_tracer *tracer, uint32_t count);
-/* Add what the surfaces of paths 1 emit themselves. */
-RND_EACH_ISA(void, rnd_emission, struct rnd_tracer *tracer, uint32_t count);
-
 #endif

@@ -1,5 +1,6 @@
 /* The path integrator: a wave of paths, stage after stage, until none is left. */
 #include "path/trace.h"
+#include "path/emission.h"
 #include "path/lights.h"
 #include "path/rays.h"
 #include "path/scatter.h"

@@ -120,6 +120,29 @@ struct rnd_shadows {
     rnd_words id;     /* as of paths */
 };
 
+/* Room of the stage under way. */
+union rnd_scratch {
+    struct {
+        rnd_words order;     /* of each point, its path among paths 0 */
+        rnd_words corner[3]; /* normals at the triangle's corners, as records have them */
+    } surface;
+    struct {
+        rnd_words surface;          /* in use meanwhile: order */
+        rnd_words near, in, region; /* texels of the environment map: looked up, met; the latter's region */
+    } sky;
+    struct {
+        rnd_words group, rank; /* of each point: its group of lights, and its place in that group's list */
+        rnd_words drawn;       /* entries of a group's list: texels, or areas */
+        rnd_words near;        /* texel that is looked up in place of the drawn one */
+        rnd_words region;      /* of the environment */
+    } lights;
+    struct {
+        rnd_words folds; /* of each point: does a lobe have to be folded there? */
+        rnd_words lit;   /* points that a light may reach */
+        rnd_words alive; /* points whose paths go on */
+    } scatter;
+};
+
 enum rnd_stage { RND_STAGE_RAYS, RND_STAGE_SURFACE, RND_STAGE_LIGHT, RND_STAGE_SCATTER, RND_STAGES };
 
 struct stages;
@@ -151,9 +174,8 @@ struct rnd_tracer {
     rnd_floats number[4];              /* random ones of the stage under way */
     struct rnd_surface rich[RND_WAVE]; /* of the points whose material is rich, in their order */
     struct rnd_shadows shadows;
-    rnd_words order;
     rnd_words list[RND_LISTS]; /* of misses, kinds of material, groups of lights */
-    rnd_words corner[3];       /* normals of hit triangles; the stage of lights has it for its own */
+    union rnd_scratch scratch;
     struct rnd_look look[RND_WAVE];
     rnd_floats look_x, look_y; /* texture coordinates */
     rnd_floats look_level;     /* of mipmaps */
@@ -239,6 +261,15 @@ RND_INLINE struct rnd_v3 rnd_clamp_firefly(struct rnd_v3 radiance, float limit)
 {
     const float bright = rnd_v3_luminance(radiance);
     return rnd_v3_scale(radiance, bright > limit ? limit / bright : 1.0f);
+}
+
+/* Add light that a path found at the end of its ray: it lights the surface that the ray left. */
+RND_INLINE void rnd_add_radiance(struct rnd_tracer *tracer, uint32_t id, struct rnd_v3 found)
+{
+    const struct rnd_v3 radiance = rnd_clamp_firefly(found, rnd_firefly_limit(tracer, tracer->depth - 1));
+    tracer->io->radiance[0][id] += radiance.x;
+    tracer->io->radiance[1][id] += radiance.y;
+    tracer->io->radiance[2][id] += radiance.z;
 }
 
 #endif
