@@ -84,10 +84,10 @@ static void empty(void *context, uint32_t first, uint32_t end)
         rnd_film_empty(&render->film, &render->film.tile[t], render->generation);
 }
 
-void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene, const double eye[3])
+void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene, const double position[3])
 {
     struct rnd_film *film = &render->film;
-    rnd_integrator_restart(&render->integrator, scene, eye);
+    rnd_integrator_restart(&render->integrator, scene, position);
     film->brightness = film->grain = 0.0f;
     film->paths = film->next_survey = 0;
     render->generation++;

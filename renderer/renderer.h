@@ -34,14 +34,14 @@ enum {
 
 struct rnd_scene;
 
-/* Files are read by programs that lie beside this one, fovead-reader and fovead-image: a file that crashes
- * them, or has them take too much, is refused and takes nothing else with it. The second one takes a while to
- * start, serves many scenes, and writes the films of their renders. NULL if memory is short. */
+/* Two programs that lie beside this one read files: fovead-reader reads scenes, fovead-image reads and writes
+ * pictures. A file that crashes one of them, or exceeds its limits, is refused and does no other harm.
+ * fovead-image takes a while to start, and serves many scenes and renders. NULL if memory is short. */
 struct rnd_image_program *rnd_image_program_create(void);
-/* Start it, if it does not run; this does not wait until it is ready. Else it starts when a picture is
- * wanted. False and a line in out_error if it is not there. */
+/* Start the program, if it does not run, without waiting until it is ready. Without this call it starts with
+ * the first picture. False and a line in out_error if the program is missing. */
 bool rnd_image_program_start(struct rnd_image_program *program, char out_error[RND_ERROR_SIZE]);
-/* Accepts NULL. The program ends when no scene and no render has it any more either. */
+/* Accepts NULL. The program ends with the last scene or render that uses it. */
 void rnd_image_program_destroy(struct rnd_image_program *program);
 
 struct rnd_scene_options {
@@ -51,39 +51,38 @@ struct rnd_scene_options {
     float sun[4]; /* azimuth (deg, right of -Z), elevation (deg), irradiance on a surface facing it, angular
                      diameter (deg, 0 to 90) */
     float env_azimuth; /* deg by which the environment map is turned to the right */
-    /* Do not wait for the textures, but for those that say where a surface is or what it emits: the first
-     * picture does without the others. See rnd_scene_take_textures(). */
+    /* Load without waiting for textures, except those that decide where a surface is or what it emits. The
+     * first picture is rendered without the others. See rnd_scene_take_textures(). */
     bool textures_later;
-    /* Surfaces draw lights straight through glass that refracts or is a little rough (up to 0.25), weighed by
-     * what the glass lets through; paths do not find them behind it by chance. Far less noise, but no
-     * caustics, and sharp shadows behind rough glass. Off: unbiased. */
+    /* Shadow rays pass straight through glass that refracts or has a roughness of up to 0.25, and take with
+     * them what the glass transmits. Far less noise, but no caustics, and sharp shadows behind rough glass.
+     * Off: unbiased. */
     bool clear_glass;
     /* Limits of the programs that read files: MiB of memory, and seconds of processor time for one file; 0:
      * the defaults of reader_limits.c. Embree's trees may take as much memory again. */
     uint32_t reader_mib, reader_seconds;
-    /* Who reads pictures, ready from scenes before. NULL: a new one. */
+    /* NULL: the scene starts its own. */
     struct rnd_image_program *image_program;
     const atomic_bool *cancel; /* set by any thread as soon as the scene is not wanted any more; or NULL */
     bool has_eye;
-    double eye[3]; /* m; without it the first camera of the file, else the middle of the scene's bounds */
+    double eye[3]; /* the camera's position, m; without it the file's first camera, else the middle of the
+                      scene's bounds */
 };
 
 struct rnd_scene_info {
-    uint64_t triangles, emissive_triangles; /* those of a mesh that is in many places count in each */
+    uint64_t triangles, emissive_triangles; /* a mesh that has many instances counts once for each */
     uint32_t meshes, materials, textures, punctual_lights;
     bool has_env, has_sun;
-    double eye[3];
+    double eye[3];                      /* the camera's position, m */
     double bounds[2][3];                /* lowest and highest corner, m */
     uint64_t texture_bytes;             /* 0 while they are read */
     double read_seconds, build_seconds; /* import and textures; BVH and light tables */
-    const char *
-        unsupported; /* what the file asks for and the renderer does not do, comma-separated; "" if nothing */
-    /* The files beside its own that the scene's file names, found or not: files_bytes bytes of paths, each with
-     * its NUL. They come from the file: print none as it is. */
+    const char *unsupported; /* features that the file uses and the renderer lacks, comma-separated, or "" */
+    /* All other files that the scene's file names, whether they were found or not: files_bytes bytes of paths,
+     * each with its NUL. The names may hold control characters. */
     const char *files;
     size_t files_bytes;
-    const char *warnings; /* what was mended, and images that cannot be read: lines, each with its end; "" if
-                             nothing */
+    const char *warnings; /* lines about what was mended and images that cannot be read, or "" */
 };
 
 /* Load a scene. NULL and a line in out_error when the file is missing or broken, holds no triangle or a
@@ -92,10 +91,9 @@ struct rnd_scene_info {
 struct rnd_scene *rnd_scene_load(const struct rnd_scene_options *options, char out_error[RND_ERROR_SIZE]);
 void rnd_scene_destroy(struct rnd_scene *scene); /* accepts NULL; after every render of it */
 
-/* Use the textures of a scene that was loaded without waiting for them, if they have been read by now: a
- * render of it must then be restarted. Not while one of its renders is at a batch. When they came,
- * *out_warnings is a line, with its end, for each that cannot be read; materials go on without it. The text
- * is the scene's. */
+/* Of a scene that was loaded with textures_later: start to use its textures, if they have all been read. Call
+ * it between batches. After RND_TEXTURES_CAME every render of the scene must be restarted, and *out_warnings
+ * has a line for each image that cannot be read, whose materials do without it. The scene owns that text. */
 enum rnd_textures { RND_TEXTURES_IN_USE, RND_TEXTURES_READING, RND_TEXTURES_CAME };
 enum rnd_textures rnd_scene_take_textures(struct rnd_scene *scene, const char **out_warnings);
 
@@ -110,15 +108,14 @@ struct rnd_aim {
     float fov[2];      /* its horizontal and vertical field of view, rad, each in (0, pi) */
     uint64_t sequence; /* of the gaze sample; tiles remember it */
     uint64_t time_ns;  /* when the gaze sample arrived; tiles remember it */
-    /* How many times wider than the eye's own acuity fv and fv-exact should be, for a gaze that is not sure:
-     * at eccentricity e they then follow m(e / spread), to 80 degrees as ever. 1 or less, also 0: as it is.
-     */
+    /* For a gaze that is uncertain: foveated distributions follow m(e / spread) at eccentricity e, up to 80
+     * degrees. 1 or less: they follow m(e). */
     float spread;
-    /* Of the display that shows it: fv and fv-exact are no denser than it can show, m(e) no more than its
-     * cycles a degree over the eye's 60. 0: it shows all that the eye can see. */
+    /* Of the display: foveated distributions are no denser than it can show; m(e) is limited to its cycles per
+     * degree over the eye's 60. 0: no limit. */
     float pixels_per_degree;
-    /* Set by any thread as soon as there is a newer aim: the batch then ends within the time of a wave, and
-     * the paths that nobody has begun are left out. NULL: it is traced whole. */
+    /* Any thread sets this when there is a newer aim. The batch then leaves out the paths that no thread has
+     * begun, and ends within the time of a wave. NULL: the batch is always traced whole. */
     const atomic_bool *stale;
 };
 
@@ -136,8 +133,7 @@ struct rnd_distribution {
     float (*density)(const struct rnd_aim *aim, const float direction[3]);
 };
 
-/* "od", "vp", "fv" (Koskela's polynomial), "fv-exact". NULL if there is none of that name; index in 0.. for a
- * list. */
+/* By name, or by index from 0. NULL if there is none. */
 const struct rnd_distribution *rnd_distribution_find(const char *name);
 const struct rnd_distribution *rnd_distribution_at(size_t index);
 
@@ -161,38 +157,38 @@ struct rnd_render_options {
     int threads;       /* 0: one for each processor */
     uint64_t seed;
     int max_bounces; /* 0: Russian roulette alone ends a path */
-    float firefly;   /* luminance, before the first surface, that light by way of a second one is clamped to:
-                        less noise, and   darker; 0: none is */
+    float firefly;   /* indirect light is clamped to this luminance where it arrives at a surface: less noise,
+                        but darker; 0: not clamped */
     float error_bar; /* relative standard error at which a tile is converged; 0: the default, 0.05 */
     const struct rnd_distribution *distribution;
 };
 
-/* NULL and a line in out_error for a bad size or no memory. The eye is where rnd_scene_info() says. The scene
- * must outlive the render, or its use by it: see below. */
+/* The camera is where rnd_scene_info() says. The scene must outlive the render, or be replaced by
+ * rnd_render_restart() before it is destroyed. NULL and a line in out_error for a bad size or no memory. */
 struct rnd_render *rnd_render_create(const struct rnd_scene *scene, const struct rnd_render_options *options,
                                      char out_error[RND_ERROR_SIZE]);
 void rnd_render_destroy(struct rnd_render *render); /* accepts NULL */
 int rnd_render_threads(const struct rnd_render *render);
 
-/* Empty the film and go on with this scene, which may be the same, seen from eye (m), as a render that was
- * just created would: bit for bit. The former scene is not used any more once this returns. Not while a batch
- * runs. Readers may read meanwhile: every tile is as it was or empty, and says by its generation which. */
-void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene, const double eye[3]);
+/* Empty the film, and go on with this scene, which may be the same, and the camera at that position (m). What
+ * follows is bit for bit what a new render would give. Call it between batches; the former scene is not used
+ * after it. Other threads may read the film meanwhile: each tile is whole or empty, and its generation tells
+ * which. */
+void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene, const double position[3]);
 
 struct rnd_batch {
-    uint64_t paths, rays, not_finite; /* traced in this batch; paths that counted as black because
-                                         their radiance was not finite */
-    double seconds;                   /* wall time of the batch */
-    double place_seconds;             /* of these, drawing and ordering positions */
-    double processor_seconds;         /* that all threads together had of the processors, to trace it */
-    /* Time of all threads together: within Embree; surfaces, their textures and what they emit; choosing
-     * lights; BSDFs; adding to the film. */
+    uint64_t paths, rays;     /* traced in this batch */
+    uint64_t not_finite;      /* paths whose radiance was not finite: they count as black */
+    double seconds;           /* wall time of the batch */
+    double place_seconds;     /* of these, drawing and sorting positions */
+    double processor_seconds; /* processor time of all threads, for tracing */
+    /* Wall time summed over all threads: in Embree; surfaces, textures and emission; choosing lights; BSDFs;
+     * adding to the film. */
     double rays_seconds, surface_seconds, light_seconds, scatter_seconds, film_seconds;
 };
 
-/* Trace one batch of paths placed by the render's distribution around aim, and add it to the film. Blocks
- * until done; the caller's thread works too. now_ns is the time that tiles remember as aimed. One thread at a
- * time. */
+/* Trace a batch of paths, placed around aim by the render's distribution, and add it to the film. The calling
+ * thread works too, until the batch is done. Tiles keep now_ns as aimed_ns. For one thread at a time. */
 void rnd_render_batch(struct rnd_render *render, const struct rnd_aim *aim, uint64_t now_ns, uint32_t paths,
                       struct rnd_batch *out_batch);
 
@@ -201,9 +197,8 @@ void rnd_render_batch(struct rnd_render *render, const struct rnd_aim *aim, uint
 void rnd_render_outline(struct rnd_render *render, const struct rnd_aim *aim, uint64_t now_ns,
                         struct rnd_batch *out_batch);
 
-/* Trace a batch as rnd_render_batch() does, then make the same calls to Embree once more, by the same threads
- * and with nothing in between: *out_seconds is what traversal alone takes of the processors' time. Negative
- * if memory is short. */
+/* Trace a batch as rnd_render_batch() does. Then the same threads repeat all its calls to Embree, and nothing
+ * else: *out_seconds is the processor time of traversal alone, or negative if memory is short. */
 void rnd_render_retrace(struct rnd_render *render, const struct rnd_aim *aim, uint32_t paths,
                         struct rnd_batch *out_batch, double *out_seconds);
 
@@ -212,12 +207,11 @@ void rnd_render_retrace(struct rnd_render *render, const struct rnd_aim *aim, ui
 struct rnd_tile {
     uint64_t samples;   /* paths in it */
     uint32_t unvisited; /* pixels without any */
-    /* Relative standard error of its pixels from the half-buffers, that only one in twenty of its blocks of
-     * 8 x 8 pixels exceeds: relative to the block's mean, or to a hundredth of the picture's median if that
-     * is more. Where a pixel has found nothing, what may be there unseen counts too. INFINITY before known.
-     */
+    /* Relative standard error of the tile's pixels, by their half-buffers: only one in twenty of its blocks of
+     * 8 x 8 pixels exceeds it. It is relative to the block's mean, or to a hundredth of the picture's median
+     * if that is more. Light that may have been missed counts as error. INFINITY until it is known. */
     float error;
-    float sure_error; /* the larger of the last two; INFINITY before all pixels had 16 paths at both */
+    float sure_error; /* larger one of the last two errors; INFINITY until all pixels had 16 paths at both */
     float luminance;  /* mean, once the error is known */
     bool converged;   /* sure_error is not above the bar */
     uint64_t gaze_sequence, gaze_ns, aimed_ns; /* of the newest batch that reached it */
@@ -230,9 +224,9 @@ int rnd_render_levels(const struct rnd_render *render);
 /* State of all level-0 tiles, row by row: (width / RND_TILE) * (height / RND_TILE) of them. */
 void rnd_render_tiles(struct rnd_render *render, struct rnd_tile *out_tiles);
 
-/* Update tiles, laid out as by rnd_render_tiles(): write those that changed since the last call, at the first
- * call all. Returns their number; their indices go to out_index, which has room for all. Never waits for a
- * batch. For one thread. */
+/* Write the state of each tile that has changed since the last call, into tiles as rnd_render_tiles() lays them
+ * out. The first call writes all. Returns how many; their indices go to out_index, which has room for all.
+ * Never waits for a batch. For one thread. */
 uint32_t rnd_render_published(struct rnd_render *render, struct rnd_tile *tiles, uint32_t *out_index);
 
 /* Is the tile's sure_error below what the eye can see at the eccentricity of its nearest point? Contrast
@@ -243,12 +237,11 @@ float rnd_visible_error(float eccentricity_deg, float pixels_per_degree);
 bool rnd_tile_settled(const struct rnd_render *render, const struct rnd_tile *tile, int x, int y,
                       const float gaze[3]);
 
-/* What is to be shown of the tile (x, y) at a level: RND_TILE x RND_TILE x RGB floats, of radiance. Every
- * pixel of the film counts alike, however many paths it has. A pixel without a path takes the mean of the
- * smallest square around it, by powers of two within the tile, that has one; one that found no light in few
- * paths borrows from such a square, which keeps its mean: see fill.c. False if the tile is empty, or just
- * being emptied; also if a thread that adds to it has been put aside by the system meanwhile: it is worth
- * another try then, a little later. *out_state (may be NULL) sums up the level-0 tiles below it. */
+/* What a client is shown of the tile (x, y) at a level: RND_TILE x RND_TILE x RGB floats, radiance. All pixels
+ * of the film count alike, whatever the number of their paths. Pixels without a path are filled from their
+ * surroundings within the tile (reconstruct/pull_push.h). False if the tile is empty, or is being emptied, or
+ * is locked by a thread that the system has suspended: then try again later. *out_state (may be NULL) sums up
+ * the level-0 tiles that it covers. */
 bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *out_rgb,
                      struct rnd_tile *out_state);
 
@@ -258,26 +251,26 @@ bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *
 void rnd_render_resolve(struct rnd_render *render, float *out_rgb, float *out_samples, float *out_error);
 
 /* Write the film as EXR: R, G, B, "samples", "error" (half floats where these hold the values), marked as an
- * equirectangular environment for 360 viewers. fovead-image writes it. It takes 20 bytes a pixel meanwhile.
- * file is a regular one, open for writing and empty; name is what errors call it. False with a line in
- * out_error if not all of it is written. */
+ * equirectangular environment for 360 viewers. fovead-image writes it, which takes 20 bytes per pixel
+ * here meanwhile. file is a regular file, open for writing and empty; errors call it name. False with a line
+ * in out_error if not all of it is written. */
 bool rnd_render_save(struct rnd_render *render, FILE *file, const char *name, char out_error[RND_ERROR_SIZE]);
 
 /* --- images --- */
 
-/* An image file as width x height x RGB floats, linear. *out_display (may be NULL): whether the file's values
- * are encoded for a display. Integers of any width are, as sRGB, unless the file names another transfer
- * function (gamma) or says that they are linear; floats are linear. malloc'ed: the caller frees. NULL and a
- * line in out_error if it cannot be read or is over 1 Gi pixels. */
+/* Read an image file as width x height x RGB floats, linear. *out_display (may be NULL): whether the file's
+ * values are encoded for a display. Integers of any width are, as sRGB, unless the file names another transfer
+ * function (gamma) or says that they are linear; floats are linear. The caller frees. NULL and a line in
+ * out_error if the file cannot be read or has more than 1 Gi pixels. */
 float *rnd_image_read(const char *path, int *out_width, int *out_height, bool *out_display,
                       char out_error[RND_ERROR_SIZE]);
 /* The one channel of that name, width x height floats. */
 float *rnd_image_read_channel(const char *path, const char *channel, int *out_width, int *out_height,
                               char out_error[RND_ERROR_SIZE]);
 
-/* Write RGB floats, linear: .exr as half floats where these hold them, else as floats; .png, .jpg and what
- * else OpenImageIO writes as 8-bit sRGB, clamped. The end of name tells the format. file is a regular one,
- * open for writing and empty. equirectangular: mark it as a 360-degree panorama. False with a line in
+/* Write RGB floats, linear, in the format that the end of name says: .exr as half floats if these hold the
+ * values, else as floats; .png, .jpg and other formats of OpenImageIO as 8-bit sRGB, clamped. file is a
+ * regular file, open for writing and empty. equirectangular: mark it as a 360-degree panorama. False with a line in
  * out_error if the picture cannot be encoded, or not all of it is written. */
 bool rnd_image_write(FILE *file, const char *name, int width, int height, const float *rgb,
                      bool equirectangular, char out_error[RND_ERROR_SIZE]);
@@ -290,7 +283,7 @@ bool rnd_image_view(const float *rgb, int width, int height, const float orienta
 
 /* --- text --- */
 
-/* Put blanks for control characters (C0, DEL, C1): names of files and in files may hold anything. */
+/* Replace control characters (C0, DEL, C1) by blanks. Names of files, and names in files, may hold them. */
 void rnd_make_printable(char *text);
 
 /* --- metrics --- */
