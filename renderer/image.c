@@ -11,7 +11,8 @@
 static bool read_pixels(const char *path, struct rnd_pixels *out_pixels, char out_error[RND_ERROR_SIZE])
 {
     char text[RND_ERROR_SIZE / 2];
-    if (rnd_pixels_read(path, NULL, 0, RND_PIXELS_COLOUR, false, out_pixels, text, sizeof text)) return true;
+    const struct rnd_pixels_file file = {.path = path, .use = RND_PIXELS_COLOUR};
+    if (rnd_pixels_read(&file, out_pixels, text, sizeof text)) return true;
     snprintf(out_error, RND_ERROR_SIZE, "%.200s: not a readable image: %s", path, text);
     return false;
 }

@@ -75,6 +75,7 @@ bool rnd_environment_read(struct rnd_scene *scene, const char *path, float azimu
                           char out_warning[RND_ERROR_SIZE], char out_error[RND_ERROR_SIZE])
 {
     struct rnd_env *env = scene->lights.env = calloc(1, sizeof *env);
+    const struct rnd_pixels_file file = {.path = path, .use = RND_PIXELS_COLOUR};
     struct filling filling = {.sink = {begin, take_rows}, .env = env};
     char text[RND_ERROR_SIZE / 2] = "not enough memory";
     bool ok = false, black = false;
@@ -82,8 +83,7 @@ bool rnd_environment_read(struct rnd_scene *scene, const char *path, float azimu
     if (env) {
         struct rnd_image_reader reader = rnd_scene_reader(scene);
         env->turn = -azimuth_deg / 360.0f;
-        ok = rnd_image_read_apart(&reader, path, NULL, 0, RND_PIXELS_COLOUR, false, &filling.sink, text,
-                                  sizeof text);
+        ok = rnd_image_read_apart(&reader, &file, &filling.sink, text, sizeof text);
         rnd_image_reader_finish(&reader);
     }
     if (filling.too_large) {

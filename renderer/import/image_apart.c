@@ -113,11 +113,7 @@ static const char NOT_READABLE[] = "not a readable image: ";
 /* One picture that is wanted. */
 struct wanted {
     struct talk talk;
-    const char *path;
-    const void *memory; /* NULL: it is a file */
-    size_t count;       /* bytes of that */
-    enum rnd_pixels_use use;
-    bool want_bytes;
+    const struct rnd_pixels_file *file;
     struct rnd_pixels_sink *sink; /* NULL: only what it begins with is wanted */
     struct rnd_picture picture;
 };
@@ -125,17 +121,17 @@ struct wanted {
 static bool ask(struct wanted *wanted)
 {
     char packet[sizeof(struct rnd_image_request) + RND_IMAGE_MOST_PATH];
-    const size_t length = strlen(wanted->path), count = wanted->count;
-    const void *memory = wanted->memory;
+    const size_t length = strlen(wanted->file->path), count = wanted->file->count;
+    const void *memory = wanted->file->memory;
     const struct rnd_image_request request = {.file_bytes = memory ? count : 0,
                                               .in_memory = memory != NULL,
-                                              .use = wanted->use,
-                                              .want_bytes = wanted->want_bytes,
+                                              .use = wanted->file->use,
+                                              .want_bytes = wanted->file->want_bytes,
                                               .size_only = !wanted->sink,
                                               .seconds = wanted->talk.limits.seconds};
     if (length >= RND_IMAGE_MOST_PATH) return fail(&wanted->talk, strerror(ENAMETOOLONG));
     memcpy(packet, &request, sizeof request);
-    memcpy(packet + sizeof request, wanted->path, length);
+    memcpy(packet + sizeof request, wanted->file->path, length);
     return send_packet(&wanted->talk, RND_IMAGE_REQUEST, packet, sizeof request + length, -1) &&
            (!memory || send_data(&wanted->talk, memory, count));
 }
@@ -190,7 +186,7 @@ static bool take(struct wanted *wanted)
     ssize_t got = receive_packet(talk, &kind, text, sizeof text - 1);
     if (got >= 0 && kind == RND_IMAGE_BEGIN && got == sizeof *picture) {
         memcpy(picture, text, sizeof *picture);
-        if (!is_picture(picture, wanted->want_bytes)) return fail(talk, "image size out of range");
+        if (!is_picture(picture, wanted->file->want_bytes)) return fail(talk, "image size out of range");
         if (wanted->sink && !wanted->sink->begin(wanted->sink, picture))
             return fail(talk, "not enough memory");
         if (wanted->sink && !take_rows(wanted, picture)) return false;
@@ -205,7 +201,7 @@ static bool get(struct rnd_image_reader *reader, struct wanted *wanted, char *ou
 {
     const struct rnd_scene_options options = {.reader_mib = reader->limits.mib,
                                               .reader_seconds = reader->limits.seconds};
-    const struct rnd_reader_limits limits = rnd_reader_limits(&options, wanted->path);
+    const struct rnd_reader_limits limits = rnd_reader_limits(&options, wanted->file->path);
     char error[RND_ERROR_SIZE];
     bool ok = false, again = true;
     for (int turn = 0; turn < 2 && !ok && again; turn++) {
@@ -228,21 +224,17 @@ static bool get(struct rnd_image_reader *reader, struct wanted *wanted, char *ou
     return ok;
 }
 
-bool rnd_image_read_apart(struct rnd_image_reader *reader, const char *path, const void *memory, size_t count,
-                          enum rnd_pixels_use use, bool want_bytes, struct rnd_pixels_sink *sink,
-                          char *out_error, size_t error_size)
+bool rnd_image_read_apart(struct rnd_image_reader *reader, const struct rnd_pixels_file *file,
+                          struct rnd_pixels_sink *sink, char *out_error, size_t error_size)
 {
-    struct wanted wanted = {
-        .path = path, .memory = memory, .count = count, .use = use, .want_bytes = want_bytes, .sink = sink};
+    struct wanted wanted = {.file = file, .sink = sink};
     return get(reader, &wanted, out_error, error_size);
 }
 
-bool rnd_image_size_apart(struct rnd_image_reader *reader, const char *path, const void *memory, size_t count,
-                          enum rnd_pixels_use use, bool want_bytes, struct rnd_picture *out_picture,
-                          char *out_error, size_t error_size)
+bool rnd_image_size_apart(struct rnd_image_reader *reader, const struct rnd_pixels_file *file,
+                          struct rnd_picture *out_picture, char *out_error, size_t error_size)
 {
-    struct wanted wanted = {
-        .path = path, .memory = memory, .count = count, .use = use, .want_bytes = want_bytes};
+    struct wanted wanted = {.file = file};
     const bool ok = get(reader, &wanted, out_error, error_size);
     *out_picture = wanted.picture;
     return ok;

@@ -16,13 +16,11 @@ struct rnd_image_reader {
 };
 
 /* As rnd_pixels_stream(), in another process. */
-bool rnd_image_read_apart(struct rnd_image_reader *reader, const char *path, const void *memory, size_t count,
-                          enum rnd_pixels_use use, bool want_bytes, struct rnd_pixels_sink *sink,
-                          char *out_error, size_t error_size);
+bool rnd_image_read_apart(struct rnd_image_reader *reader, const struct rnd_pixels_file *file,
+                          struct rnd_pixels_sink *sink, char *out_error, size_t error_size);
 /* What the picture would begin with. */
-bool rnd_image_size_apart(struct rnd_image_reader *reader, const char *path, const void *memory, size_t count,
-                          enum rnd_pixels_use use, bool want_bytes, struct rnd_picture *out_picture,
-                          char *out_error, size_t error_size);
+bool rnd_image_size_apart(struct rnd_image_reader *reader, const struct rnd_pixels_file *file,
+                          struct rnd_picture *out_picture, char *out_error, size_t error_size);
 void rnd_image_reader_finish(struct rnd_image_reader *reader);
 
 /* As rnd_pixels_write(), in another process, to a file by its descriptor. Without limits of memory or time:

@@ -220,21 +220,21 @@ bool write_rows(OIIO::ImageOutput &out, rnd_pixels_source &source)
 
 } // namespace
 
-extern "C" bool rnd_pixels_stream(const char *path, const void *memory, size_t count, rnd_pixels_use use,
-                                  bool want_bytes, rnd_pixels_sink *sink, char *out_error, size_t error_size)
+extern "C" bool rnd_pixels_stream(const rnd_pixels_file *file, rnd_pixels_sink *sink, char *out_error,
+                                  size_t error_size)
 {
-    const char *why = memory ? nullptr : rnd_why_closed(path);
+    const char *why = file->memory ? nullptr : rnd_why_closed(file->path);
     if (why) return fail(out_error, error_size, why);
     try {
-        OIIO::Filesystem::IOMemReader reader(const_cast<void *>(memory), count);
+        OIIO::Filesystem::IOMemReader reader(const_cast<void *>(file->memory), file->count);
         OIIO::Filesystem::IOProxy *proxy = &reader;
         OIIO::ImageSpec config;
         config.attribute("oiio:UnassociatedAlpha", 1);
         // Not as open()'s own argument, which its reader of JPEG does not look at (2.4.7).
-        if (memory) config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
-        auto in = OIIO::ImageInput::open(path, &config);
+        if (file->memory) config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+        auto in = OIIO::ImageInput::open(file->path, &config);
         if (!in) return fail(out_error, error_size, OIIO::geterror());
-        const bool ok = read(*in, use, want_bytes, *sink, out_error, error_size);
+        const bool ok = read(*in, file->use, file->want_bytes, *sink, out_error, error_size);
         in->close();
         return ok;
     } catch (const std::exception &e) {
@@ -242,13 +242,12 @@ extern "C" bool rnd_pixels_stream(const char *path, const void *memory, size_t c
     }
 }
 
-extern "C" bool rnd_pixels_read(const char *path, const void *memory, size_t count, rnd_pixels_use use,
-                                bool want_bytes, rnd_pixels *out_pixels, char *out_error, size_t error_size)
+extern "C" bool rnd_pixels_read(const rnd_pixels_file *file, rnd_pixels *out_pixels, char *out_error,
+                                size_t error_size)
 {
     Keeper keeper = {{keep_begin, keep_rows}, out_pixels, 0};
     *out_pixels = rnd_pixels();
-    if (rnd_pixels_stream(path, memory, count, use, want_bytes, &keeper.sink, out_error, error_size))
-        return true;
+    if (rnd_pixels_stream(file, &keeper.sink, out_error, error_size)) return true;
     rnd_pixels_finish(out_pixels);
     return false;
 }

@@ -39,13 +39,22 @@ struct rnd_pixels_sink {
     bool (*rows)(struct rnd_pixels_sink *sink, int first, int count, const void *pixels);
 };
 
-/* Read the first part of an image file, or of count bytes in memory named path, some rows at a time. At most
- * RND_MAX_CHANNELS channels. Error text is one line without the path. */
-bool rnd_pixels_stream(const char *path, const void *memory, size_t count, enum rnd_pixels_use use,
-                       bool want_bytes, struct rnd_pixels_sink *sink, char *out_error, size_t error_size);
-/* The same, all in memory. */
-bool rnd_pixels_read(const char *path, const void *memory, size_t count, enum rnd_pixels_use use,
-                     bool want_bytes, struct rnd_pixels *out_pixels, char *out_error, size_t error_size);
+/* An image file, and what it is read for. */
+struct rnd_pixels_file {
+    const char *path;
+    const void *memory; /* count bytes that are read instead; the path is their name. NULL: none */
+    size_t count;
+    enum rnd_pixels_use use;
+    bool want_bytes; /* if the file holds 8-bit integers */
+};
+
+/* Read the first part of an image file, some rows at a time. At most RND_MAX_CHANNELS channels. Error text is
+ * one line without the path. */
+bool rnd_pixels_stream(const struct rnd_pixels_file *file, struct rnd_pixels_sink *sink, char *out_error,
+                       size_t error_size);
+/* Read it all into memory. */
+bool rnd_pixels_read(const struct rnd_pixels_file *file, struct rnd_pixels *out_pixels, char *out_error,
+                     size_t error_size);
 void rnd_pixels_finish(struct rnd_pixels *pixels);
 
 /* No wider integers: OpenImageIO takes 0..1 for all of an integer's range, so that counts would not survive.

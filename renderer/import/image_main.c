@@ -77,11 +77,12 @@ static void read_picture(int socket, const struct rnd_image_request *request, co
         .sink = {send_begin, send_rows}, .socket = socket, .size_only = request->size_only};
     char error[RND_ERROR_SIZE / 2] = "";
     rnd_reader_limit_time(request->seconds);
-    void *file = request->in_memory ? receive_file(socket, request->file_bytes) : NULL;
-    const bool whole = rnd_pixels_stream(path, file, request->file_bytes, (enum rnd_pixels_use)request->use,
-                                         request->want_bytes, &sender.sink, error, sizeof error);
+    void *bytes = request->in_memory ? receive_file(socket, request->file_bytes) : NULL;
+    const struct rnd_pixels_file file = {path, bytes, request->file_bytes, (enum rnd_pixels_use)request->use,
+                                         request->want_bytes};
+    const bool whole = rnd_pixels_stream(&file, &sender.sink, error, sizeof error);
     answer(socket, whole || (sender.size_only && sender.begun), error);
-    free(file);
+    free(bytes);
     rnd_reader_limit_time(0);
 }
 

@@ -252,13 +252,18 @@ static bool take_rows(struct rnd_pixels_sink *sink, int first, int rows, const v
     return true;
 }
 
+static struct rnd_pixels_file file_of(const struct rnd_texture *texture)
+{
+    return (struct rnd_pixels_file){texture->path, texture->file, texture->file_bytes, texture->use, true};
+}
+
 bool rnd_texture_load(struct rnd_texture *texture, struct rnd_image_reader *reader)
 {
     struct filling filling = {.sink = {begin, take_rows}, .texture = texture};
     char text[RND_ERROR_SIZE / 2];
     if (texture->error) return false;
-    if (rnd_image_read_apart(reader, texture->path, texture->file, texture->file_bytes, texture->use, true,
-                             &filling.sink, text, sizeof text)) {
+    const struct rnd_pixels_file file = file_of(texture);
+    if (rnd_image_read_apart(reader, &file, &filling.sink, text, sizeof text)) {
         fill_levels(texture);
         free(filling.band[0]);
         free(filling.band[1]);
@@ -278,8 +283,8 @@ static void measure(struct rnd_texture *texture, struct rnd_image_reader *reader
 {
     char text[RND_ERROR_SIZE / 2];
     struct rnd_picture picture;
-    if (!rnd_image_size_apart(reader, texture->path, texture->file, texture->file_bytes, texture->use, true,
-                              &picture, text, sizeof text)) {
+    const struct rnd_pixels_file file = file_of(texture);
+    if (!rnd_image_size_apart(reader, &file, &picture, text, sizeof text)) {
         fail(texture, text);
         return;
     }

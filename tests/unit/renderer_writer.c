@@ -106,7 +106,8 @@ static void written(void **state)
         close(fd);
         assert_same_file(apart, here);
         if (strcmp(layout->format, "exr") != 0) continue;
-        if (!rnd_pixels_read(apart, NULL, 0, RND_PIXELS_DATA, false, &pixels, error, sizeof error))
+        if (!rnd_pixels_read(&(struct rnd_pixels_file){.path = apart, .use = RND_PIXELS_DATA}, &pixels, error,
+                             sizeof error))
             fail_msg("%s", error);
         assert_int_equal(pixels.width, layout->width);
         assert_int_equal(pixels.height, layout->height);
