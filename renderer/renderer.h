@@ -275,11 +275,16 @@ float *rnd_image_read_channel(const char *path, const char *channel, int *out_wi
 bool rnd_image_write(FILE *file, const char *name, int width, int height, const float *rgb,
                      bool equirectangular, char out_error[RND_ERROR_SIZE]);
 
-/* A rectilinear view of an equirectangular image: out is out_width x out_height x RGB; fov_x in rad, (0, pi);
- * orientation view to world. Trilinear over a mipmap of the image, so that poles and wide views do not alias
- * (Koskela 2018 section 4.3). */
-bool rnd_image_view(const float *rgb, int width, int height, const float orientation[4], float fov_x,
-                    int out_width, int out_height, float *out_rgb);
+/* A rectilinear view. */
+struct rnd_view {
+    float orientation[4]; /* view to world */
+    float fov_x;          /* horizontal field of view, rad, in (0, pi) */
+    int width, height;    /* pixels */
+};
+
+/* Fill out_rgb, of the view's size x RGB, from an equirectangular image. Trilinear over a mipmap of the image, so
+ * that poles and wide views do not alias (Koskela 2018 section 4.3). False if memory is short. */
+bool rnd_image_view(const float *rgb, int width, int height, const struct rnd_view *view, float *out_rgb);
 
 /* --- text --- */
 

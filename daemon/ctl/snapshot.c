@@ -154,14 +154,15 @@ static bool write_view(const struct snapshot *snapshot, const float *rgb, const 
     const Fovea__Welcome *film = pro_welcome(snapshot->client);
     const struct ctl *ctl = snapshot->ctl;
     float *pixels = malloc((size_t)ctl->width * (size_t)ctl->height * 3 * sizeof(*pixels));
-    float direction[3], orientation[4];
+    struct rnd_view shown = {
+        .fov_x = (float)(view[2] * M_PI / 180), .width = ctl->width, .height = ctl->height};
+    float direction[3];
     char error[RND_ERROR_SIZE];
     bool good;
 
     rnd_direction((float)(view[0] * M_PI / 180), (float)(view[1] * M_PI / 180), direction);
-    dmn_orientation(direction, orientation);
-    good = (pixels && rnd_image_view(rgb, (int)film->width, (int)film->height, orientation,
-                                     (float)(view[2] * M_PI / 180), ctl->width, ctl->height, pixels)) ||
+    dmn_orientation(direction, shown.orientation);
+    good = (pixels && rnd_image_view(rgb, (int)film->width, (int)film->height, &shown, pixels)) ||
            ctl_fail("out of memory");
     good = good && (dmn_image_write(ctl->operand[0], 0666, ctl->width, ctl->height, pixels, false, error) ||
                     ctl_fail("%s", error));

@@ -120,16 +120,17 @@ static vec3s pixel_mean(const struct mipmap *map, versors orientation, float x, 
     return trilinear(map, u, v, log2f(fmaxf(1.0f, angle * (float)(map->height[0] / M_PI))));
 }
 
-bool rnd_image_view(const float *rgb, int width, int height, const float orientation[4], float fov_x,
-                    int out_width, int out_height, float *out_rgb)
+bool rnd_image_view(const float *rgb, int width, int height, const struct rnd_view *view, float *out_rgb)
 {
+    const int out_width = view->width, out_height = view->height;
+    const float *q = view->orientation;
     struct mipmap map;
     if (!mipmap_init(&map, rgb, width, height)) return false;
-    const versors q = {{orientation[0], orientation[1], orientation[2], orientation[3]}};
-    const float pixel = 2.0f * tanf(0.5f * fov_x) / (float)out_width; /* at distance 1 */
+    const versors orientation = {{q[0], q[1], q[2], q[3]}};
+    const float pixel = 2.0f * tanf(0.5f * view->fov_x) / (float)out_width; /* at distance 1 */
     for (int y = 0; y < out_height; y++)
         for (int x = 0; x < out_width; x++) {
-            const vec3s c = pixel_mean(&map, q, ((float)x + 0.5f - 0.5f * out_width) * pixel,
+            const vec3s c = pixel_mean(&map, orientation, ((float)x + 0.5f - 0.5f * out_width) * pixel,
                                        (0.5f * out_height - (float)y - 0.5f) * pixel, pixel);
             glm_vec3_copy((float *)c.raw, out_rgb + 3 * ((size_t)y * out_width + x));
         }

@@ -175,9 +175,9 @@ static void directions(void **state)
         const double *a = cases[k].ahead, *r = cases[k].right;
         const double up[3] = {r[1] * a[2] - r[2] * a[1], r[2] * a[0] - r[0] * a[2],
                               r[0] * a[1] - r[1] * a[0]};
-        float q[4];
-        turn(cases[k].axis, cases[k].angle, q);
-        assert_true(rnd_image_view(panorama, 1024, 512, q, (float)fov, W, H, view));
+        struct rnd_view sight = {.fov_x = (float)fov, .width = W, .height = H};
+        turn(cases[k].axis, cases[k].angle, sight.orientation);
+        assert_true(rnd_image_view(panorama, 1024, 512, &sight, view));
         for (int i = 0; i < 9; i++) {
             const int x = i % 3 - 1, y = 1 - i / 3;
             const double px = x * edge, py = y * rise, l = sqrt(1 + px * px + py * py);
@@ -195,7 +195,7 @@ static void calm_poles(void **state)
 {
     (void)state;
     enum { WIDTH = 2048, HEIGHT = 1024, SIDE = 128 };
-    float *stripes = malloc(sizeof *stripes * WIDTH * HEIGHT * 3), q[4];
+    float *stripes = malloc(sizeof *stripes * WIDTH * HEIGHT * 3);
     static float view[SIDE * SIDE * 3];
     assert_non_null(stripes);
     for (int i = 0; i < WIDTH * HEIGHT * 3; i++) stripes[i] = i / 3 % WIDTH / 2 % 2 ? 1.0f : 0.0f;
@@ -203,8 +203,9 @@ static void calm_poles(void **state)
         double axis[3], angle, fov, least, most; /* standard deviation expected of the view */
     } cases[] = {{{0, 1, 0}, 180, 10, 0.3, 0.5}, {{1, 0, 0}, 90, 8, 0, 0.1}, {{1, 0, 0}, -90, 8, 0, 0.1}};
     for (int k = 0; k < 3; k++) {
-        turn(cases[k].axis, cases[k].angle, q);
-        assert_true(rnd_image_view(stripes, WIDTH, HEIGHT, q, (float)(cases[k].fov * deg), SIDE, SIDE, view));
+        struct rnd_view sight = {.fov_x = (float)(cases[k].fov * deg), .width = SIDE, .height = SIDE};
+        turn(cases[k].axis, cases[k].angle, sight.orientation);
+        assert_true(rnd_image_view(stripes, WIDTH, HEIGHT, &sight, view));
         double sum = 0.0, square = 0.0;
         for (int i = 0; i < SIDE * SIDE; i++) {
             sum += view[3 * i];
@@ -224,7 +225,7 @@ static void spot_at_the_pole(void **state)
     (void)state;
     enum { W = 1024, H = 512, SIDE = 128, SPOTS = 4 };
     static const double elevation[SPOTS] = {0, 60, 90, -90}, radius = 4, peak = 100;
-    float *panorama = malloc(sizeof *panorama * W * H * 3), q[4];
+    float *panorama = malloc(sizeof *panorama * W * H * 3);
     static float view[SIDE * SIDE * 3];
     assert_non_null(panorama);
     for (int k = 0; k < SPOTS; k++) {
@@ -234,8 +235,9 @@ static void spot_at_the_pole(void **state)
                          r = acos(fmin(1, cosine)) / (radius * deg);
             for (int c = 0; c < 3; c++) panorama[3 * i + c] = (float)(peak * exp(-r * r));
         }
-        turn((double[]){1, 0, 0}, elevation[k], q);
-        assert_true(rnd_image_view(panorama, W, H, q, (float)(60 * deg), SIDE, SIDE, view));
+        struct rnd_view sight = {.fov_x = (float)(60 * deg), .width = SIDE, .height = SIDE};
+        turn((double[]){1, 0, 0}, elevation[k], sight.orientation);
+        assert_true(rnd_image_view(panorama, W, H, &sight, view));
         double worst = 0;
         for (int i = 0; i < SIDE * SIDE; i++) {
             const double x = (2 * (i % SIDE + 0.5) / SIDE - 1) * tan(30 * deg),
