@@ -156,22 +156,28 @@ static int32_t clamp(int32_t value, int32_t least, int32_t most)
     return value < least ? least : value > most ? most : value;
 }
 
-/* A row of count pixels of a level, from x0 on, as seen from its tile (home_x, home_y): u wraps, v is
- * clamped, and what lies in a tile that has not come takes the nearest pixel of the home tile. */
-static void gather(const struct pro_picture *picture, uint32_t l, uint32_t home_x, uint32_t home_y,
-                   int32_t x0, int32_t y, int32_t count, float *out_rgb)
+/* A tile of a level. */
+struct home {
+    uint32_t level, x, y;
+};
+
+/* Take a row of count pixels from x0 on, as seen from a home tile of that level: u wraps, v is clamped, and what
+ * lies in a tile that has not come takes the nearest pixel of the home tile. */
+static void gather(const struct pro_picture *picture, const struct home *home, int32_t x0, int32_t y,
+                   int32_t count, float *out_rgb)
 {
+    const uint32_t l = home->level;
     const struct level *level = &picture->level[l];
     int32_t size = (int32_t)picture->tile_size, width = (int32_t)level->width,
             height = (int32_t)level->height;
-    int32_t left = (int32_t)home_x * size, right = (left + size < width ? left + size : width) - 1;
-    int32_t top = (int32_t)home_y * size, bottom = (top + size < height ? top + size : height) - 1;
+    int32_t left = (int32_t)home->x * size, right = (left + size < width ? left + size : width) - 1;
+    int32_t top = (int32_t)home->y * size, bottom = (top + size < height ? top + size : height) - 1;
     y = clamp(y, 0, height - 1);
     for (int32_t i = 0; i < count; i++) {
         int32_t px = (x0 + i + width) % width, py = y;
         const uint16_t *tile = tile_at(picture, l, (uint32_t)(px / size), (uint32_t)(py / size));
         if (!tile) {
-            tile = tile_at(picture, l, home_x, home_y);
+            tile = tile_at(picture, l, home->x, home->y);
             px = clamp(x0 + i, left, right);
             py = clamp(py, top, bottom);
         }
@@ -183,6 +189,7 @@ static void gather(const struct pro_picture *picture, uint32_t l, uint32_t home_
 /* The level-0 tile (x, y), from level l > 0. out_rgb is its first pixel in the film. */
 static void interpolate(const struct pro_picture *picture, uint32_t l, uint32_t x, uint32_t y, float *out_rgb)
 {
+    const struct home home = {l, x >> l, y >> l};
     uint32_t size = picture->tile_size;
     size_t stride = (size_t)picture->level[0].width * 3;
     float scale = 1.0f / (float)(1u << l);
@@ -194,8 +201,8 @@ static void interpolate(const struct pro_picture *picture, uint32_t l, uint32_t 
         float v = v0 + (float)j * scale, t = v - floorf(v);
         if ((int32_t)floorf(v) != row) {
             row = (int32_t)floorf(v);
-            gather(picture, l, x >> l, y >> l, first, row, count, rows[0]);
-            gather(picture, l, x >> l, y >> l, first, row + 1, count, rows[1]);
+            gather(picture, &home, first, row, count, rows[0]);
+            gather(picture, &home, first, row + 1, count, rows[1]);
         }
         for (int32_t i = 0; i < 3 * count; i++) mixed[i] = rows[0][i] + t * (rows[1][i] - rows[0][i]);
         float *out = out_rgb + j * stride;

@@ -36,12 +36,13 @@ bool rnd_area_light(const struct rnd_scene *scene, const struct rnd_light_choice
     const struct rnd_alias *alias = choice->lamps[RND_LIGHT_AREA];
     const uint32_t i = rnd_alias_draw(alias, u[1], u[0]);
     const struct rnd_area *area = &scene->lights.area[i];
-    float s, t;
+    struct rnd_area_point drawn;
     out->part = scene->lights.lamps[RND_LIGHT_AREA].part[i];
-    out->pdf = rnd_area_draw(area, alias->probability[i], point, u[2], u[3], &out->direction, &out->distance,
-                             &s, &t);
+    out->pdf = rnd_area_draw(area, alias->probability[i], point, u[2], u[3], &drawn);
+    out->direction = drawn.direction;
+    out->distance = drawn.distance;
     out->delta = false;
     if (!(out->pdf > 0.0f)) return false;
-    out->radiance = rnd_area_gives(scene, area, s, t);
+    out->radiance = rnd_area_gives(scene, area, drawn.s, drawn.t);
     return true;
 }

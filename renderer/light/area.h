@@ -48,24 +48,29 @@ RND_INLINE float rnd_area_pdf(const struct rnd_area *area, float probability, st
     return (projected * projected > least) & (pdf < INFINITY) ? pdf : 0.0f;
 }
 
-/* Draw a point of a triangle as seen from a point, by two numbers in [0,1): its direction, distance and
- * barycentric coordinates. Returns the density as rnd_area_pdf() does, 0 if the triangle does not shine
- * there. */
+/* A point of a triangle, as seen from another point. */
+struct rnd_area_point {
+    struct rnd_v3 direction; /* unit, towards it */
+    float distance;
+    float s, t; /* barycentric, of the area */
+};
+
+/* Draw a point of a triangle as seen from a point, by two numbers in [0,1). Returns the density as
+ * rnd_area_pdf() does, 0 if the triangle does not shine there. */
 RND_INLINE float rnd_area_draw(const struct rnd_area *area, float probability, struct rnd_v3 point, float u,
-                               float v, struct rnd_v3 *out_direction, float *out_distance, float *out_s,
-                               float *out_t)
+                               float v, struct rnd_area_point *out)
 {
     const float root = sqrtf(u), s = v * root, t = root - s; /* uniform over the triangle */
     const struct rnd_v3 p = rnd_v3_muladd(area->e2, t, rnd_v3_muladd(area->e1, s, area->corner)),
                         to = rnd_v3_sub(p, point);
     const float distance = sqrtf(rnd_v3_dot(to, to));
-    *out_direction = rnd_v3_scale(to, 1.0f / rnd_larger(distance, 1e-37f));
-    *out_distance = distance;
-    *out_s = s;
-    *out_t = t;
-    const float facing = rnd_v3_dot(rnd_v3_cross(area->e1, area->e2), *out_direction);
+    out->direction = rnd_v3_scale(to, 1.0f / rnd_larger(distance, 1e-37f));
+    out->distance = distance;
+    out->s = s;
+    out->t = t;
+    const float facing = rnd_v3_dot(rnd_v3_cross(area->e1, area->e2), out->direction);
     const int shines = (facing < 0.0f) | ((area->flags & RND_AREA_DOUBLE) != 0);
-    const float pdf = rnd_area_pdf(area, probability, *out_direction, distance);
+    const float pdf = rnd_area_pdf(area, probability, out->direction, distance);
     return shines & (distance > 0.0f) ? pdf : 0.0f;
 }
 

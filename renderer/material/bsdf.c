@@ -39,7 +39,8 @@ bool rnd_bsdf_draw(const struct rnd_surface *surface, vec3s wo, const float u[3]
     } else {
         const struct rnd_mr m = metal_rough(surface);
         rnd_mr_draw_folded(&m, rnd_v3_to_local(&frame, rnd_to_v3(surface->geometric)),
-                           rnd_v3_to_local(&frame, rnd_to_v3(wo)), u[0], u[1], u[2], &wi, &weight, &out->pdf);
+                           rnd_v3_to_local(&frame, rnd_to_v3(wo)), rnd_v3(u[0], u[1], u[2]), &wi, &weight,
+                           &out->pdf);
     }
     out->wi = rnd_from_v3(rnd_v3_normalize(rnd_v3_to_world(&frame, wi)));
     out->weight = rnd_from_v3(weight);

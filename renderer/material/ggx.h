@@ -211,13 +211,13 @@ RND_INLINE void rnd_mr_eval(const struct rnd_mr *m, struct rnd_v3 wo, struct rnd
 
 /* Draw wi from three numbers in [0,1). weight is BSDF times cosine over density; where the path ends, weight
  * and density are zero. */
-RND_INLINE void rnd_mr_draw(const struct rnd_mr *m, struct rnd_v3 wo, float u0, float u1, float u2,
-                            struct rnd_v3 *out_wi, struct rnd_v3 *out_weight, float *out_pdf)
+RND_INLINE void rnd_mr_draw(const struct rnd_mr *m, struct rnd_v3 wo, struct rnd_v3 u, struct rnd_v3 *out_wi,
+                            struct rnd_v3 *out_weight, float *out_pdf)
 {
     const float share = rnd_mr_view(m, rnd_larger(wo.z, RND_MIN_COSINE)).share;
-    const struct rnd_v3 g = rnd_mirror(wo, rnd_draw_ggx_normal(wo, m->alpha, u0, u1)),
-                        c = rnd_draw_cosine(u0, u1);
-    const int glossy = u2 < share;
+    const struct rnd_v3 g = rnd_mirror(wo, rnd_draw_ggx_normal(wo, m->alpha, u.x, u.y)),
+                        c = rnd_draw_cosine(u.x, u.y);
+    const int glossy = u.z < share;
     const struct rnd_v3 wi = rnd_v3(glossy ? g.x : c.x, glossy ? g.y : c.y, glossy ? g.z : c.z);
     struct rnd_v3 f;
     float pdf;
@@ -264,12 +264,12 @@ RND_INLINE void rnd_mr_eval_folded(const struct rnd_mr *m, struct rnd_v3 geometr
 
 /* rnd_mr_draw() for the same. */
 RND_INLINE void rnd_mr_draw_folded(const struct rnd_mr *m, struct rnd_v3 geometric, struct rnd_v3 wo,
-                                   float u0, float u1, float u2, struct rnd_v3 *out_wi,
-                                   struct rnd_v3 *out_weight, float *out_pdf)
+                                   struct rnd_v3 u, struct rnd_v3 *out_wi, struct rnd_v3 *out_weight,
+                                   float *out_pdf)
 {
-    rnd_mr_draw(m, wo, u0, u1, u2, out_wi, out_weight, out_pdf);
+    rnd_mr_draw(m, wo, u, out_wi, out_weight, out_pdf);
     if (!(*out_pdf > 0.0f)) return;
-    const bool glossy = u2 < rnd_mr_view(m, rnd_larger(wo.z, RND_MIN_COSINE)).share;
+    const bool glossy = u.z < rnd_mr_view(m, rnd_larger(wo.z, RND_MIN_COSINE)).share;
     if (glossy && rnd_v3_dot(*out_wi, geometric) < 0.0f) *out_wi = rnd_fold(*out_wi, geometric);
     struct rnd_v3 f;
     rnd_mr_eval_folded(m, geometric, wo, *out_wi, &f, out_pdf);

@@ -373,7 +373,7 @@ bool rnd_rich_draw(const struct rnd_surface *surface, vec3s wo, const float u[3]
     } else if ((rest -= v.p_sheen) < v.p_mr || v.p_glass <= 0.0f) {
         if (!(v.p_mr > 0.0f)) return false; /* black */
         const float choose = fminf(rest / v.p_mr, 0x1.fffffep-1f);
-        rnd_mr_draw(&v.mr, v.wo, u[0], u[1], choose, &wi, &weight, &pdf);
+        rnd_mr_draw(&v.mr, v.wo, rnd_v3(u[0], u[1], choose), &wi, &weight, &pdf);
         glossy = choose < rnd_mr_view(&v.mr, fmaxf(v.wo.z, RND_MIN_COSINE)).share;
     } else {
         const float choose = fminf((rest - v.p_mr) / v.p_glass, 0x1.fffffep-1f);

@@ -167,16 +167,15 @@ static void choose_area(struct rnd_tracer *tracer, const uint32_t *list, uint32_
                                       .e1 = rnd_get(&areas->e1, k),
                                       .e2 = rnd_get(&areas->e2, k),
                                       .flags = areas->flags[k]};
-        struct rnd_v3 direction;
-        float distance, s, t;
+        struct rnd_area_point drawn;
         to->pdf[first + k] =
             choose * rnd_area_draw(&area, areas->probability[k], rnd_get(&tracer->paths[1].origin, j),
-                                   tracer->number[2][j], tracer->number[3][j], &direction, &distance, &s, &t);
-        to->distance[first + k] = distance;
+                                   tracer->number[2][j], tracer->number[3][j], &drawn);
+        to->distance[first + k] = drawn.distance;
         to->delta[first + k] = 0;
-        rnd_put(&to->direction, first + k, direction);
-        areas->s[k] = s;
-        areas->t[k] = t;
+        rnd_put(&to->direction, first + k, drawn.direction);
+        areas->s[k] = drawn.s;
+        areas->t[k] = drawn.t;
     }
     for (uint32_t k = 0; lights->area_uneven && k < count; k++) {
         const struct rnd_area *area = &lights->area[entry[k]];

@@ -84,8 +84,9 @@ static void folded(struct rnd_tracer *tracer, size_t j)
     float pdf;
     rnd_mr_eval_folded(&m, geometric, wo, light, &f, &pdf);
     rnd_put(&to->contribution, j, contribution(tracer, j, f, pdf));
-    rnd_mr_draw_folded(&m, geometric, wo, tracer->number[0][j], tracer->number[1][j], tracer->number[2][j],
-                       &local, &weight, &pdf);
+    rnd_mr_draw_folded(&m, geometric, wo,
+                       rnd_v3(tracer->number[0][j], tracer->number[1][j], tracer->number[2][j]), &local,
+                       &weight, &pdf);
     rnd_put(&to->direction, j, rnd_v3_to_world(&frame, local));
     rnd_put(&to->weight, j, weight);
     to->pdf[j] = pdf > 0.0f ? pdf : -1.0f;
@@ -109,8 +110,8 @@ static void metal_rough(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
         float light_pdf, pdf;
         const struct rnd_v3 local_light = rnd_v3_to_local(&frame, light);
         rnd_mr_eval(&m, wo, local_light, &f, &light_pdf);
-        rnd_mr_draw(&m, wo, tracer->number[0][j], tracer->number[1][j], tracer->number[2][j], &local, &weight,
-                    &pdf);
+        rnd_mr_draw(&m, wo, rnd_v3(tracer->number[0][j], tracer->number[1][j], tracer->number[2][j]), &local,
+                    &weight, &pdf);
         const struct rnd_v3 wi = rnd_v3_to_world(&frame, local);
         const float height = rnd_v3_dot(light, geometric), lit = height > 0.0f ? 1.0f : 0.0f,
                     above = rnd_v3_dot(wi, geometric), twice = 2.0f * rnd_v3_dot(frame.z, geometric);

@@ -88,8 +88,10 @@ static double furnace(float metallic, float roughness, double angle)
     for (uint32_t k = 0; k < SIDE * SIDE; k++) {
         struct rnd_v3 wi, weight, f;
         float pdf, again;
-        rnd_mr_draw(&m, wo, (k / SIDE + 0.5f) / SIDE, (k % SIDE + 0.5f) / SIDE,
-                    (float)(k * 0x9e3779b1u >> 8) * 0x1p-24f, &wi, &weight, &pdf);
+        rnd_mr_draw(&m, wo,
+                    rnd_v3((k / SIDE + 0.5f) / SIDE, (k % SIDE + 0.5f) / SIDE,
+                           (float)(k * 0x9e3779b1u >> 8) * 0x1p-24f),
+                    &wi, &weight, &pdf);
         rnd_mr_eval(&m, wo, wi, &f, &again);
         assert_true(pdf == again && weight.x >= 0);
         sum += weight.x;
