@@ -32,7 +32,7 @@ static const int64_t SAME_REQUEST_NS = 1000000000;
 
 /* What a signal handler can reach. */
 static int signal_fd = -1;
-static volatile sig_atomic_t serving;
+static atomic_bool serving; /* any thread may have to take the signal */
 static atomic_uint_least64_t signalled_ns; /* when the first signal came; 0: none has */
 
 /* The first signal ends the daemon in order. One a second or more later, or one before there is anything to
@@ -43,7 +43,7 @@ static void on_signal(int number)
     const int error = errno;
     uint64_t first_ns = 0;
 
-    if (!serving) _exit(128 + number);
+    if (!atomic_load(&serving)) _exit(128 + number);
     if (atomic_compare_exchange_strong(&signalled_ns, &first_ns, now_ns)) {
         if (write(signal_fd, &one, sizeof(one)) < 0) _exit(128 + number);
     } else if ((int64_t)(now_ns - first_ns) >= SAME_REQUEST_NS) { /* two threads may be here at a time */
@@ -216,7 +216,7 @@ static bool start(struct daemon *daemon)
     painter.context = daemon->loop;
     handles->jobs = dmn_jobs_start(handles, dmn_loop_wake, daemon->loop);
     if (!handles->jobs) return fail("no thread can be made");
-    serving = 1;
+    atomic_store(&serving, true);
     if (!daemon->options.virtual_clock && !dmn_gaze_start(handles->gaze, dmn_loop_wake, daemon->loop))
         return fail("no thread can be made");
     handles->painter = dmn_painter_start(&painter);
