@@ -32,7 +32,7 @@ static const int64_t SAME_REQUEST_NS = 1000000000;
 
 /* What a signal handler can reach. */
 static int signal_fd = -1;
-static atomic_bool serving; /* any thread may have to take the signal */
+static atomic_bool serving;                /* any thread may have to take the signal */
 static atomic_uint_least64_t signalled_ns; /* when the first signal came; 0: none has */
 
 /* The first signal ends the daemon in order. One a second or more later, or one before there is anything to
