@@ -1,4 +1,4 @@
-/* The film's memory, and what is read from it: tiles at any level, the whole picture, its file. */
+/* The film's memory, adding to it, and reading it as a whole. */
 #include "film/film.h"
 #include "film/converge.h"
 #include "math/large_pages.h"

@@ -58,7 +58,7 @@ struct rnd_film_tile {
     struct rnd_tile state;
     uint64_t next_judgement; /* samples at which the error is worth a look */
     float former_error;      /* sure error: of the last judgement alone, INFINITY before */
-    float grain;             /* radiance that a path brings which finds light; negative before it is known */
+    float grain;             /* mean radiance of the paths that find light; negative before it is known */
     bool spread;             /* its paths are in the pixels, and not in the list below */
     uint32_t listed;         /* of the list: */
     struct rnd_sample list[RND_FEW]; /* all its paths, in the order in which they were added */

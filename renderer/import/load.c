@@ -135,7 +135,7 @@ static void *read_textures(void *argument)
     return NULL;
 }
 
-/* As the material is without the maps that are not there yet: grey where its colour is unknown, and matt
+/* As the material is without the maps that are not there yet: grey where its colour is unknown, and diffuse
  * where its metal is, which most of a textured surface is. */
 static struct rnd_material without_textures(const struct rnd_scene *scene, struct rnd_material m)
 {

@@ -2,11 +2,11 @@
  * once: no branches, no calls but square roots. Directions are in the frame whose z is the shading normal and
  * point away from the surface.
  *
- * Metallic-roughness is a GGX lobe over a matt one (glTF 2.0 appendix B), and loses nothing:
+ * Metallic-roughness is a GGX lobe over a diffuse one (glTF 2.0 appendix B), and loses nothing:
  * - what the facets of a metal hide from each other is given back to its lobe (Turquin 2019, "Practical
  *   multiple scattering compensation for microfacet models"): times 1 + base (1 - E(o)) / E(o), with E the
  *   albedo of the lobe for a white surface. Only this is not reciprocal: o is where light is followed to.
- * - what the surface of a non-metal does not reflect goes to its matt part, on the way in and on the way out
+ * - what the surface of a non-metal does not reflect goes to its diffuse part, on the way in and on the way out
  *   (Ashikhmin and Shirley 2000, with the albedo S of the lobe for their Fresnel):
  *   base (1 - S(o)) (1 - S(i)) / (pi (1 - S_mean)).
  * With base 1 all light returns. E and S are polynomials fitted to quadratures. */
@@ -138,7 +138,7 @@ struct rnd_mr {
     float metallic, alpha;
     struct rnd_v3 f0; /* of the non-metal */
     float f90;
-    float matt; /* factor of the matt lobe */
+    float diffuse; /* factor of the diffuse lobe */
 };
 
 /* f0, f90 are the non-metal's: f0 by channel, f90 for all; alpha as rnd_alpha() gives it; the others as in
@@ -175,9 +175,9 @@ RND_INLINE struct rnd_mr_view rnd_mr_view(const struct rnd_mr *m, float cosine)
     v.f90 = rnd_v3_add(metal, rnd_v3(coat * m->f90, coat * m->f90, coat * m->f90));
     v.through = rnd_mr_through(m, a);
     const float gloss = rnd_v3_sum(v.f0) * (1.0f - a.lost - a.edge) + rnd_v3_sum(v.f90) * a.edge;
-    const float matt = rnd_v3_sum(m->base) * coat * v.through;
-    v.share = gloss / rnd_larger(gloss + matt, 1e-9f);
-    v.albedo = (gloss + matt) / 3.0f;
+    const float diffuse = rnd_v3_sum(m->base) * coat * v.through;
+    v.share = gloss / rnd_larger(gloss + diffuse, 1e-9f);
+    v.albedo = (gloss + diffuse) / 3.0f;
     return v;
 }
 
@@ -202,10 +202,10 @@ RND_INLINE void rnd_mr_eval(const struct rnd_mr *m, struct rnd_v3 wo, struct rnd
 {
     const float i = rnd_larger(wi.z, RND_MIN_COSINE), cosine = (wi.z > 0.0f ? 1.0f : 0.0f) * i / RND_PI;
     const struct rnd_mr_view v = rnd_mr_view(m, rnd_larger(wo.z, RND_MIN_COSINE));
-    const float matt = m->matt * v.through * rnd_mr_through(m, rnd_ggx_albedo(i, m->alpha)) * cosine;
+    const float diffuse = m->diffuse * v.through * rnd_mr_through(m, rnd_ggx_albedo(i, m->alpha)) * cosine;
     struct rnd_v3 gloss;
     rnd_mr_gloss(m, &v, wo, wi, &gloss, out_pdf);
-    *out_f = rnd_v3_muladd(m->base, matt, gloss);
+    *out_f = rnd_v3_muladd(m->base, diffuse, gloss);
     *out_pdf += (1.0f - v.share) * cosine;
 }
 

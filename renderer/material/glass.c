@@ -1,4 +1,4 @@
-/* Tables of rough glass: means over visible normals, with Fresnel's equations and the masking of rich.c. */
+/* Tables of rough glass: means over visible normals, with Fresnel's equations and the masking of layered.c. */
 #include "material/glass.h"
 #include "material/ggx.h"
 

@@ -1,4 +1,4 @@
-/* RND_RICH: clearcoat over sheen over metallic-roughness, part of whose non-metal is glass instead of matt.
+/* RND_RICH: clearcoat over sheen over metallic-roughness, part of whose non-metal is glass instead of diffuse.
  *
  * Every layer takes its share of the light, and what is below it gets the rest: 1 - albedo of the layer as
  * seen from wo, which is exact for a world of constant radiance and, as in glTF's own formulas, not

@@ -1,6 +1,7 @@
 /* What surfaces do with light: next-event estimation, second half, and where paths go on.
  *
- * Matt and metallic-roughness surfaces are done by vector instructions, all others one at a time by shade.c.
+ * Vector instructions serve diffuse and metallic-roughness surfaces; material/bsdf.h serves all others, one at a
+ * time.
  */
 #include "path/scatter.h"
 #include "material/ggx.h"
@@ -16,7 +17,7 @@ enum { SURE_BOUNCES = 1 };
 
 /* --- light that arrives --- */
 
-/* What a chosen light brings if it is not hidden, from what of it the surface scatters (times cosine), and
+/* What a chosen light contributes if it is not hidden, from what of it the surface scatters (times cosine), and
  * the density with which the surface would have drawn its direction; 0 if that is nothing. */
 RND_INLINE struct rnd_v3 contribution(struct rnd_tracer *tracer, size_t j, struct rnd_v3 f, float pdf)
 {
@@ -30,7 +31,7 @@ RND_INLINE struct rnd_v3 contribution(struct rnd_tracer *tracer, size_t j, struc
         weight);
 }
 
-static void light_matt(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
+static void light_diffuse(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
 {
     const struct rnd_surfaces *s = &tracer->surfaces;
     struct rnd_scatters *to = &tracer->scatters;
@@ -46,7 +47,7 @@ static void light_matt(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
 
 /* --- where paths go on --- */
 
-static void draw_matt(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
+static void draw_diffuse(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
 {
     const struct rnd_surfaces *s = &tracer->surfaces;
     struct rnd_scatters *to = &tracer->scatters;
@@ -322,12 +323,12 @@ static uint32_t go_on(struct rnd_tracer *tracer, uint32_t count)
 uint32_t ISA(rnd_scatter)(struct rnd_tracer *tracer, uint32_t count)
 {
     const uint32_t *end = tracer->surfaces.end;
-    /* of matt surfaces only roulette asks for the second pair */
+    /* on diffuse surfaces only roulette asks for the second pair */
     const uint32_t lobes = tracer->depth >= SURE_BOUNCES ? 0 : end[RND_DIFFUSE];
     rnd_draw_numbers(tracer, RND_DIM_DIRECTION, 0, count, tracer->number[0], tracer->number[1]);
     rnd_draw_numbers(tracer, RND_DIM_LOBE, lobes, count, tracer->number[2], tracer->number[3]);
-    light_matt(tracer, 0, end[RND_DIFFUSE]);
-    draw_matt(tracer, 0, end[RND_DIFFUSE]);
+    light_diffuse(tracer, 0, end[RND_DIFFUSE]);
+    draw_diffuse(tracer, 0, end[RND_DIFFUSE]);
     metal_rough(tracer, end[RND_DIFFUSE], end[RND_METAL_ROUGH]);
     rich(tracer, end[RND_METAL_ROUGH], end[RND_RICH]);
     if (tracer->scene->clear_tree) stand_for(tracer, 0, count);

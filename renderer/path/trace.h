@@ -1,10 +1,9 @@
 /* Paths from the camera: unidirectional, next-event estimation, multiple importance sampling, Russian
  * roulette.
  *
- * Paths are traced in waves: all of a wave take a step together, so that rays go to Embree in
- * packets and streams, and what is done with all of them is done by vector instructions. What a path brings
- * depends on the wave that it is in (Embree's kernels round differently for packets and single rays), so
- * whoever wants the same picture twice must form the same waves twice.
+ * Paths are traced in waves. All paths of a wave take a step together, so that their rays go to Embree in
+ * packets and streams, and vector instructions do the rest. A path's contribution depends on its wave, because
+ * Embree's kernels round differently for packets and single rays. The same waves give the same picture.
  */
 #ifndef FOVEAD_RENDERER_TRACE_H
 #define FOVEAD_RENDERER_TRACE_H
