@@ -22,9 +22,9 @@
 #include "streams.h"
 #include "trackers.h"
 
-/* A batch of 2.5 ms is what a gaze waits for before it has a tile; shorter ones cost paths. Without gaze or
+/* A batch of 2.2 ms is what a gaze waits for before it has a tile; shorter ones cost paths. Without gaze or
  * client longer ones do. */
-static const double STEERED_SECONDS = 0.0025, UNSTEERED_SECONDS = 0.05;
+static const double STEERED_SECONDS = 0.0022, UNSTEERED_SECONDS = 0.05;
 
 /* GNU timeout signals a program and then the group that it is in; a closed terminal signals all that ran in
  * it, and the shell does so again. */

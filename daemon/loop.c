@@ -24,7 +24,7 @@ enum {
 /* What is known of the picture is updated every UPDATE_NS at most, and for at most a tenth of the loop's
  * time, which matters for large films; but at least every LONGEST_PAUSE_NS. The cost of an update is
  * processor time: on a busy machine an update may last long without costing more. */
-static const uint64_t UPDATE_NS = 2000000, LONGEST_PAUSE_NS = 100000000;
+static const uint64_t UPDATE_NS = 1000000, LONGEST_PAUSE_NS = 100000000;
 enum { UPDATE_SHARE = 10 };
 
 /* How long the end waits for clients that do not read. */

@@ -14,6 +14,12 @@ uint64_t dmn_clock_ns(const struct dmn_handles *handles)
     return work.now_ns;
 }
 
+/* Is more known of this tile than the client was sent? */
+static bool is_new(const struct dmn_client *client, const struct dmn_place *place)
+{
+    return client->picture->pyramid.tile[place->index].samples > client->sent[place->index].samples;
+}
+
 /* Choose the tiles to send next. */
 static void plan(struct dmn_client *client)
 {
@@ -22,8 +28,14 @@ static void plan(struct dmn_client *client)
     if (client->generation != picture->generation)
         memset(client->sent, 0, picture->pyramid.count * sizeof(*client->sent));
     client->generation = picture->generation;
-    client->planned = dmn_next(&picture->pyramid, client->sent, picture->direction, DMN_PLAN, client->plan);
-    client->next = 0;
+    client->next = client->planned = 0;
+    if (picture->gaze_sequence > client->gaze_sequence) {
+        /* The tile that the eye sees comes first, so that every gaze is answered. */
+        client->gaze_sequence = picture->gaze_sequence;
+        client->planned = dmn_seen_at(&picture->pyramid, client->sent, picture->direction, client->plan);
+    }
+    client->planned += dmn_next(&picture->pyramid, client->sent, picture->direction,
+                                DMN_PLAN - client->planned, client->plan + client->planned);
     client->plan_version = picture->version;
 }
 
@@ -33,13 +45,8 @@ bool dmn_tile_is_due(struct dmn_client *client)
 
     if (!client->sent || client->serial - client->acknowledged >= client->window) return false;
     if (client->plan_version != picture->version) plan(client);
-    if (client->next == client->planned && picture->gaze_sequence > client->gaze_sequence) {
-        /* No tile has changed much. Then the one that the eye sees, so that every gaze is answered. */
-        client->gaze_sequence = picture->gaze_sequence;
-        client->next = 0;
-        client->planned =
-            dmn_seen_at(&picture->pyramid, client->sent, picture->direction, &client->plan[0]) ? 1 : 0;
-    }
+    /* The tile that the eye sees may have been planned twice. */
+    while (client->next < client->planned && !is_new(client, &client->plan[client->next])) client->next++;
     return client->next < client->planned;
 }
 
