@@ -24,7 +24,6 @@ if(NOT SANITIZE)
     add_test(NAME e2e_${name} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/e2e/${name}.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
     set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" SKIP_RETURN_CODE 77)
   endforeach()
-  set_tests_properties(e2e_demo e2e_readme PROPERTIES RUN_SERIAL ON) # they show what a user sees on a machine of their own
   # Sanitizers have their own of what is looked for here.
   foreach(name hardened service)
     add_test(NAME e2e_${name} COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/e2e/${name}.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
