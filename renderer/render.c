@@ -2,8 +2,6 @@
 #include "render.h"
 #include "film/converge.h"
 #include "film/film.h"
-#include "film/sums.h"
-#include "reconstruct/pull_push.h"
 #include "import/image_program.h"
 
 #include <stdio.h>
@@ -16,6 +14,8 @@ enum { MAX_THREADS = 1024 };
 struct rnd_render *rnd_render_create(const struct rnd_scene *scene, const struct rnd_render_options *options,
                                      char out_error[RND_ERROR_SIZE])
 {
+    const struct rnd_reconstruction *row =
+        options->reconstruction ? options->reconstruction : rnd_reconstruction_at(0);
     struct rnd_render_options chosen = *options;
     const int width = options->width, height = options->height;
     if (width < 2 * RND_TILE || width > RND_MAX_WIDTH || width % (2 * RND_TILE) != 0 || height * 2 != width) {
@@ -33,6 +33,7 @@ struct rnd_render *rnd_render_create(const struct rnd_scene *scene, const struct
     render->generation = 1;
     render->image_program = rnd_image_program_share(scene->image_program);
     if (rnd_film_init(&render->film, width, height, options->error_bar > 0.0f ? options->error_bar : 0.05f) &&
+        rnd_reconstructor_init(&render->reconstructor, row, &render->film) &&
         rnd_integrator_init(&render->integrator, scene, &render->film, &chosen))
         return render;
 no_memory:
@@ -45,6 +46,7 @@ void rnd_render_destroy(struct rnd_render *render)
 {
     if (!render) return;
     rnd_integrator_finish(&render->integrator);
+    rnd_reconstructor_finish(&render->reconstructor);
     rnd_film_finish(&render->film);
     rnd_image_program_destroy(render->image_program);
     pthread_mutex_destroy(&render->whole);
@@ -126,11 +128,8 @@ bool rnd_tile_settled(const struct rnd_render *render, const struct rnd_tile *ti
 bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *out_rgb,
                      struct rnd_tile *out_state)
 {
-    struct rnd_sums sums;
     struct rnd_tile state;
-    const bool whole = rnd_film_sums(&render->film, level, x, y, &sums, &state);
-    if (out_state) *out_state = state;
-    return whole && rnd_pull_push(&sums, out_rgb);
+    return rnd_reconstruct(&render->reconstructor, level, x, y, out_rgb, out_state ? out_state : &state);
 }
 
 void rnd_render_resolve(struct rnd_render *render, float *out_rgb, float *out_samples, float *out_error)

@@ -4,10 +4,12 @@
 
 #include "film/tile.h"
 #include "path/integrator.h"
+#include "reconstruct/reconstruct.h"
 
 struct rnd_render {
     struct rnd_film film;
     struct rnd_integrator integrator;
+    struct rnd_reconstructor reconstructor; /* of what is shown of the film */
     pthread_mutex_t whole; /* held while the film is read as a whole, and while it is emptied */
     uint32_t generation;   /* of the film, from 1: each restart begins the next */
     struct rnd_image_program *image_program; /* of the first scene; it stays when the scene changes */

@@ -151,6 +151,7 @@ void rnd_direction(float azimuth, float elevation, float out_direction[3]);
 /* --- render --- */
 
 struct rnd_render;
+struct rnd_reconstruction; /* a way to show the samples so far: reconstruct/reconstruction.h */
 
 struct rnd_render_options {
     int width, height; /* of the film: width a multiple of 2 * RND_TILE, height half of it */
@@ -161,6 +162,7 @@ struct rnd_render_options {
                         but darker; 0: not clamped */
     float error_bar; /* relative standard error at which a tile is converged; 0: the default, 0.05 */
     const struct rnd_distribution *distribution;
+    const struct rnd_reconstruction *reconstruction; /* what rnd_render_read() shows; NULL: the default */
 };
 
 /* The camera is where rnd_scene_info() says. The scene must outlive the render, or be replaced by
@@ -237,11 +239,11 @@ float rnd_visible_error(float eccentricity_deg, float pixels_per_degree);
 bool rnd_tile_settled(const struct rnd_render *render, const struct rnd_tile *tile, int x, int y,
                       const float gaze[3]);
 
-/* What a client is shown of the tile (x, y) at a level: RND_TILE x RND_TILE x RGB floats, radiance. All pixels
- * of the film count alike, whatever the number of their paths. Pixels without a path are filled from their
- * surroundings within the tile (reconstruct/pull_push.h). False if the tile is empty, or is being emptied, or
- * is locked by a thread that the system has suspended: then try again later. *out_state (may be NULL) sums up
- * the level-0 tiles that it covers. */
+/* What a client is shown of the tile (x, y) at a level: RND_TILE x RND_TILE x RGB floats, radiance, as the
+ * render's reconstruction has it. The default fills pixels without a path from others of the tile. All pixels
+ * of the film count alike, whatever the number of their paths. False if there is nothing to show yet, or if the
+ * tile is being emptied, or is locked by a thread that the system has suspended: then try again later.
+ * *out_state (may be NULL) sums up the level-0 tiles that it covers. */
 bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *out_rgb,
                      struct rnd_tile *out_state);
 

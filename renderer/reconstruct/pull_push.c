@@ -1,14 +1,14 @@
-/* What is shown of a tile: the means of its pixels where these are known, and around them what is known of a
- * larger square, so that every square that has paths shows their mean.
+/* Pull-push: a pixel that has paths shows their mean, and a pixel without any shows the mean of the smallest
+ * square around it that has some (Gortler, Grzeszczuk, Szeliski and Cohen 1996).
  *
- * Squares of pixels form a tree, four to one. The mean of a square is that of those of its four parts that
- * have a path: by area, and not by paths. From the top of the tree down, every square hands its mean on to
- * its parts. A part without a path takes the mean of the whole. A part that has found nothing so far, and may
- * just have been unlucky, takes some of the whole too; and what it takes the others give, each in proportion
- * to what it has above the mean. So single bright hits are spread over the square that they stand for, and
- * never over more light than there is.
+ * The squares of pixels form a tree: each has four parts, down to single pixels. The mean of a square is the
+ * mean of its parts that have paths; each part counts alike, whatever the number of its paths. From the top of
+ * the tree down, every square hands its mean on to its parts. A part without a path takes the mean of the
+ * square. A part whose paths have found no light yet may only have been unlucky: it takes a share of the
+ * square's light too, and the other parts give as much, each in proportion to its own light. So a single
+ * bright hit is spread over the square that it stands for, and the sum of the light stays the same.
  */
-#include "reconstruct/pull_push.h"
+#include "reconstruct/reconstruction.h"
 
 #include <math.h>
 #include <string.h>
@@ -25,8 +25,8 @@ _Static_assert(RND_TILE == 1 << TOP, "the tree below has so many levels");
 struct node {
     float mean[3];
     float paths, hits; /* 0 paths: nothing is known */
-    bool mixed;        /* a part has no path, or has found nothing */
-    bool lent;         /* what it is to show is not its own mean */
+    bool mixed;        /* a part has no path, or has found no light */
+    bool lent;         /* it shows another mean than its own */
 };
 
 static bool is_black(const struct node *node)
@@ -62,7 +62,7 @@ static float doubt(const struct node *whole, const struct node *const part[4])
     return fminf(most, 1.0f);
 }
 
-/* Give parts the means to be shown, so that what the whole is to show is the mean of them all. */
+/* Set the means that the parts show, so that their mean is what the whole shows. */
 static void hand_down(const struct node *shown, struct node *const part[4])
 {
     struct node whole;
@@ -91,12 +91,13 @@ static void parts_of(struct node *finer, int side, int i, struct node *out[4])
     out[3] = first + 2 * side + 1;
 }
 
-bool rnd_pull_push(const struct rnd_sums *sums, float *out_rgb)
+static bool run(void *memory, const struct rnd_window *window, float *out_rgb)
 {
+    (void)memory;
     struct node tree[RND_TILE * RND_TILE * 4 / 3 + 1], *level[TOP + 1] = {tree}, *part[4];
     bool mixed = false;
     for (int i = 0; i < RND_TILE * RND_TILE; i++) {
-        const struct rnd_sum *sum = &sums->pixel[i];
+        const struct rnd_sum *sum = &window->pixel[i];
         const float share = sum->area > 0.0f ? 1.0f / sum->area : 0.0f;
         tree[i] = (struct node){.paths = sum->paths, .hits = sum->hits};
         for (int c = 0; c < 3; c++) out_rgb[3 * i + c] = tree[i].mean[c] = sum->light[c] * share;
@@ -123,3 +124,12 @@ bool rnd_pull_push(const struct rnd_sums *sums, float *out_rgb)
     for (int i = 0; i < RND_TILE * RND_TILE; i++) memcpy(&out_rgb[3 * i], tree[i].mean, sizeof tree[i].mean);
     return true;
 }
+
+/* Every square of 2^n x 2^n pixels that has a path shows the mean of its parts that have one, unless a larger
+ * square lends it light or borrows some. */
+const struct rnd_reconstruction rnd_reconstruction_pull_push = {
+    .name = "pull-push",
+    .summary = "pixels without a path take the mean of those around them",
+    .source = "Gortler, Grzeszczuk, Szeliski and Cohen 1996: the Lumigraph",
+    .run = run,
+};

@@ -3,7 +3,6 @@
 
 #include "film/converge.h"
 #include "film/film.h"
-#include "reconstruct/pull_push.h"
 #include "render.h"
 #include "math/sphere.h"
 
@@ -52,6 +51,7 @@ static void begin(struct rnd_render *render, int width)
 {
     *render = (struct rnd_render){0};
     assert_true(rnd_film_init(&render->film, width, width / 2, 0.05f));
+    assert_true(rnd_reconstructor_init(&render->reconstructor, rnd_reconstruction_at(0), &render->film));
 }
 
 /* Rounds until all of a film of that width is converged, at most so many. */
@@ -233,9 +233,15 @@ static void area_counts(void **state)
 
 /* --- what is shown --- */
 
+static bool pull_push(const struct rnd_sums *sums, float *out)
+{
+    const struct rnd_window window = {.side = SIDE, .pixel = sums->pixel};
+    return rnd_reconstruction_pull_push.run(NULL, &window, out);
+}
+
 static void show(const struct rnd_sums *sums, float *out, double *out_mean)
 {
-    assert_true(rnd_pull_push(sums, out));
+    assert_true(pull_push(sums, out));
     *out_mean = 0;
     for (int i = 0; i < 3 * COUNT; i++) {
         assert_true(isfinite(out[i]) && out[i] >= 0.0f);
@@ -255,7 +261,7 @@ static void shown(void **state)
     static float rgb[COUNT * 3];
     double mean;
     memset(&sums, 0, sizeof sums);
-    assert_false(rnd_pull_push(&sums, rgb));
+    assert_false(pull_push(&sums, rgb));
     set(&sums, 700, 3, 1, 1); /* one path shows everywhere */
     show(&sums, rgb, &mean);
     for (int i = 0; i < COUNT; i++)

@@ -1,0 +1,39 @@
+/* Reconstructions: what a client is shown of the paths so far. One file a method. */
+#ifndef FOVEAD_RENDERER_RECONSTRUCTION_H
+#define FOVEAD_RENDERER_RECONSTRUCTION_H
+
+#include "film/sums.h"
+
+/* What a reconstruction works on: the pixels of a tile at a level, and those around it up to the row's radius.
+ * They go on across the seam of the panorama, and over a pole on the opposite meridian. */
+struct rnd_window {
+    int level, x, y;             /* the tile */
+    int side;                    /* pixels: RND_TILE, and the radius twice */
+    const struct rnd_sum *pixel; /* side x side, row by row */
+};
+
+/* A way to show a film. It is consistent: what it shows of a pixel goes to the pixel's mean as paths grow. */
+struct rnd_reconstruction {
+    const char *name;    /* as an option names it */
+    const char *summary; /* half a line */
+    const char *source;  /* author, year */
+    int radius;          /* pixels that it looks at beyond a tile, at every level: 0 to RND_TILE */
+    /* Prepare for a film of that many pixels: *out_memory is for the calls below. False if memory is short.
+     * NULL: the row needs no memory. */
+    bool (*begin)(int width, int height, void **out_memory);
+    /* Fill RND_TILE x RND_TILE x RGB floats, radiance. False if nothing can be shown yet. Several threads may
+     * call it at once. */
+    bool (*run)(void *memory, const struct rnd_window *window, float *out_rgb);
+    void (*end)(void *memory); /* NULL where begin is */
+};
+
+/* The table of reconstructions, the default first. Another one is a file, and a line here. */
+#define RND_RECONSTRUCTIONS(row) row(pull_push)
+
+#define RND_RECONSTRUCTION_DECLARE(name) extern const struct rnd_reconstruction rnd_reconstruction_##name;
+RND_RECONSTRUCTIONS(RND_RECONSTRUCTION_DECLARE)
+
+/* By index from 0. NULL if there is none. */
+const struct rnd_reconstruction *rnd_reconstruction_at(size_t index);
+
+#endif
