@@ -1,9 +1,7 @@
-/* frame.c: messages to bytes and back. A frame is a 4-byte big-endian length and that many bytes of one
- * Message.
+/* frame.c: frames to bytes and back. A frame is a 4-byte big-endian length and that many bytes of one Message.
  *
- * Nothing here knows of sockets. What a peer sends costs memory in proportion to what it has really sent: the
- * buffer grows with the bytes that came, not with the length that was announced, and unpacking has a budget
- * of its own.
+ * Nothing here knows of sockets. A peer costs memory in proportion to what it has really sent: the buffer grows
+ * with the bytes that came, not with the length that was announced.
  */
 #include "internal.h"
 
@@ -11,13 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    FIRST_SIZE = 4 << 10,
-    /* Beyond a copy of the frame's own bytes, unpacking an honest message needs its structures and
-     * protobuf-c's notes on more than 16 fields. A frame of millions of two-byte unknown fields would want
-     * some 40 times its length. */
-    UNPACK_SLACK = 16 << 10,
-};
+enum { FIRST_SIZE = 4 << 10 };
 
 void pro_reader_init(struct pro_reader *reader, size_t limit)
 {
@@ -67,20 +59,6 @@ bool pro_reader_ready(const struct pro_reader *reader)
     return reader->used >= PRO_PREFIX && reader->used - PRO_PREFIX >= frame_length(reader);
 }
 
-static void *budget_alloc(void *data, size_t size)
-{
-    size_t *left = data;
-    if (size > *left) return NULL;
-    *left -= size;
-    return malloc(size);
-}
-
-static void budget_free(void *data, void *block)
-{
-    (void)data;
-    free(block);
-}
-
 enum pro_result pro_reader_take(struct pro_reader *reader, Fovea__Message **out_message,
                                 char out_error[PRO_ERROR_SIZE])
 {
@@ -97,36 +75,14 @@ enum pro_result pro_reader_take(struct pro_reader *reader, Fovea__Message **out_
     }
     if (reader->used - PRO_PREFIX < length) return PRO_MORE;
 
-    size_t budget = length + UNPACK_SLACK;
-    ProtobufCAllocator allocator = {budget_alloc, budget_free, &budget};
     Fovea__Message *message =
-        fovea__message__unpack(&allocator, length, reader->bytes + reader->start + PRO_PREFIX);
-    if (!message) {
-        pro_fail(out_error, "%u bytes that are not a message", length);
-        return PRO_BROKEN;
-    }
-    /* The members of the union are all pointers to messages. */
-    if (message->body_case == FOVEA__MESSAGE__BODY__NOT_SET || !message->hello) {
-        fovea__message__free_unpacked(message, NULL);
-        pro_fail(out_error, "a message with no known body");
-        return PRO_BROKEN;
-    }
+        pro_unpack_message(reader->bytes + reader->start + PRO_PREFIX, length, out_error);
+    if (!message) return PRO_BROKEN;
     reader->start += PRO_PREFIX + length;
     reader->used -= PRO_PREFIX + length;
     if (reader->used == 0) reader->start = 0;
     *out_message = message;
     return PRO_MESSAGE;
-}
-
-uint8_t *pro_pack_message(const Fovea__Message *message, size_t headroom, size_t *out_count)
-{
-    size_t length = fovea__message__get_packed_size(message);
-    if (length > PRO_MAX_TO_CLIENT) return NULL;
-    uint8_t *bytes = malloc(headroom + length);
-    if (!bytes) return NULL;
-    fovea__message__pack(message, bytes + headroom);
-    *out_count = length;
-    return bytes;
 }
 
 void pro_put_length(uint8_t out_prefix[PRO_PREFIX], size_t count)

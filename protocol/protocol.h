@@ -30,6 +30,19 @@ enum {
     PRO_MAX_PIXELS = 1 << 29,     /* of a film in all */
 };
 
+/* --- messages --- */
+
+/* Unpack a message alone, without a frame. NULL with a line in out_error if the bytes do not parse, the message
+ * has no known body, or memory is short. Allocates no more than count bytes and 16 KiB. The caller frees with
+ * fovea__message__free_unpacked(m, NULL), and checks which side may send what and how many numbers a repeated
+ * field has. */
+Fovea__Message *pro_unpack_message(const uint8_t *bytes, size_t count, char out_error[PRO_ERROR_SIZE]);
+
+/* Pack a message alone, without a frame. Returns malloc'ed bytes (the caller frees) and their count, or NULL
+ * when memory is short or the message is longer than PRO_MAX_TO_CLIENT. headroom bytes are left free before
+ * the message and not counted. */
+uint8_t *pro_pack_message(const Fovea__Message *message, size_t headroom, size_t *out_count);
+
 /* --- frames --- */
 
 /* Collects bytes as they come and gives whole messages. */
@@ -52,17 +65,10 @@ enum pro_result { PRO_MESSAGE, PRO_MORE, PRO_BROKEN };
 
 /* Take the next message: PRO_MESSAGE with *out_message, which the caller frees with
  * fovea__message__free_unpacked(m, NULL); PRO_MORE if no whole frame is here; PRO_BROKEN with a line in
- * out_error if the peer must be dropped: a length of zero or over the limit, bytes that do not parse, a
- * message with no known body. A frame's length is judged as soon as its four bytes are here. Unpacking
- * allocates no more than the frame's length and 16 KiB. Which side may send what, and how many numbers a
- * repeated field has, is the caller's to check. */
+ * out_error if the peer must be dropped: a length of zero or over the limit, or bytes that
+ * pro_unpack_message() refuses. A frame's length is judged as soon as its four bytes are here. */
 enum pro_result pro_reader_take(struct pro_reader *reader, Fovea__Message **out_message,
                                 char out_error[PRO_ERROR_SIZE]);
-
-/* Pack a message alone, without a frame. Returns malloc'ed bytes (the caller frees) and their count, or NULL
- * when memory is short or the message is longer than PRO_MAX_TO_CLIENT. headroom bytes are left free before
- * the message and not counted. */
-uint8_t *pro_pack_message(const Fovea__Message *message, size_t headroom, size_t *out_count);
 
 /* Write the length of a packed message into the PRO_PREFIX bytes that go before it in a frame. */
 void pro_put_length(uint8_t out_prefix[PRO_PREFIX], size_t count);

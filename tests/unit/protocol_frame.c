@@ -160,6 +160,16 @@ static void headroom(void **state)
     pro_put_length(frame, shifted);
     memcpy(frame + PRO_PREFIX, alone + 32, shifted);
     assert_memory_equal(frame, wire, sizeof wire);
+    char error[PRO_ERROR_SIZE] = "";
+    Fovea__Message *back = pro_unpack_message(alone + 32, shifted, error);
+    assert_non_null(back);
+    assert_int_equal(back->body_case, FOVEA__MESSAGE__BODY_PING);
+    assert_int_equal(back->ping->client_ns, 5);
+    fovea__message__free_unpacked(back, NULL);
+    assert_null(pro_unpack_message(alone + 32, shifted - 1, error));
+    assert_string_equal(error, "3 bytes that are not a message");
+    assert_null(pro_unpack_message(alone, 0, error));
+    assert_string_equal(error, "a message with no known body");
     free(a);
     free(b);
     free(alone);
