@@ -1,6 +1,6 @@
 /* Materials at a hit, by the kind that serves them: Lambert, glTF 2.0 metallic-roughness, all else. */
 #include "material/bsdf.h"
-#include "material/layered.h"
+#include "material/closure.h"
 
 static struct rnd_mr metal_rough(const struct rnd_surface *s)
 {
@@ -12,7 +12,11 @@ static struct rnd_mr metal_rough(const struct rnd_surface *s)
 vec3s rnd_bsdf(const struct rnd_surface *surface, vec3s wo, vec3s wi, float *out_pdf)
 {
     *out_pdf = 0.0f;
-    if (surface->material->kind == RND_RICH) return rnd_rich_bsdf(surface, wo, wi, out_pdf);
+    if (surface->material->kind == RND_RICH) {
+        struct rnd_closure closure;
+        rnd_closure_at(surface, wo, &closure);
+        return rnd_closure_evaluate(&closure, wi, out_pdf);
+    }
     if (surface->material->kind == RND_DIFFUSE) {
         const float cos_i = glms_vec3_dot(wi, surface->shading);
         if (cos_i <= 0.0f || glms_vec3_dot(wi, surface->geometric) <= 0.0f) return glms_vec3_zero();
@@ -30,7 +34,11 @@ vec3s rnd_bsdf(const struct rnd_surface *surface, vec3s wo, vec3s wi, float *out
 
 bool rnd_bsdf_draw(const struct rnd_surface *surface, vec3s wo, const float u[3], struct rnd_bsdf_sample *out)
 {
-    if (surface->material->kind == RND_RICH) return rnd_rich_draw(surface, wo, u, out);
+    if (surface->material->kind == RND_RICH) {
+        struct rnd_closure closure;
+        rnd_closure_at(surface, wo, &closure);
+        return rnd_closure_sample(&closure, u, out);
+    }
     const struct rnd_v3_frame frame = rnd_v3_frame(rnd_to_v3(surface->shading));
     struct rnd_v3 wi, weight = rnd_to_v3(surface->base);
     if (surface->material->kind == RND_DIFFUSE) {

@@ -1,4 +1,4 @@
-/* Tables of rough glass: means over visible normals, with Fresnel's equations and the masking of layered.c. */
+/* Tables of rough glass: means over visible normals, with Fresnel's equations and the masking of thick.c. */
 #include "material/glass.h"
 #include "material/ggx.h"
 

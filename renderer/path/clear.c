@@ -6,7 +6,7 @@
 #include "path/clear.h"
 #include "material/point.h"
 #include "path/ray.h"
-#include "material/layered.h"
+#include "material/closure.h"
 
 /* Surfaces that light gets through: what is behind more is dark. */
 enum { MOST_SURFACES = 64 };
@@ -50,6 +50,7 @@ struct rnd_v3 rnd_clear_transmittance(const struct rnd_scene *scene, rnd_media m
     const vec3s wo = glms_vec3_negate(rnd_from_v3(direction));
     struct rnd_v3 left = {1, 1, 1};
     struct RTCRayHit hit;
+    struct rnd_closure closure;
     float last = 0.0f, near = 0.0f; /* where the ray met the last surface, and where the next may be */
     *out_any = false;
     for (int i = 0; next_surface(scene, origin, direction, near, distance, &hit); i++) {
@@ -61,7 +62,8 @@ struct rnd_v3 rnd_clear_transmittance(const struct rnd_scene *scene, rnd_media m
         *out_any = true;
         surface.front = true;
         surface.between = rnd_interface_in_air(surface.material, true);
-        left = rnd_v3_mul(left, rnd_to_v3(rnd_rich_through(&surface, wo)));
+        rnd_closure_at(&surface, wo, &closure);
+        left = rnd_v3_mul(left, rnd_to_v3(rnd_closure_through(&closure)));
         last = hit.ray.tfar;
         near = last + 1e-6f + 1e-5f * last;
     }

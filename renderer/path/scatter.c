@@ -1,13 +1,13 @@
 /* What surfaces do with light: next-event estimation, second half, and where paths go on.
  *
- * Vector instructions serve diffuse and metallic-roughness surfaces; material/bsdf.h serves all others, one at a
+ * Vector instructions serve diffuse and metallic-roughness surfaces; material/closure.h serves all others, one at a
  * time.
  */
 #include "path/scatter.h"
 #include "material/ggx.h"
-#include "material/bsdf.h"
+#include "material/closure.h"
+#include "material/glass.h"
 #include "light/light.h"
-#include "material/layered.h"
 
 /* Bounces before Russian roulette begins. From then on a path goes on as often as the square root of what is
  * left of it: more paths that are shorter are as good in the same time. Of it behind the first surface, that
@@ -175,17 +175,19 @@ static void rich(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
     for (uint32_t j = begin; j < end; j++) {
         const struct rnd_surface *surface = &tracer->rich[j - begin];
         const vec3s wo = glms_vec3_negate(rnd_from_v3(rnd_get(&tracer->paths[1].direction, j)));
+        struct rnd_closure closure;
         struct rnd_bsdf_sample sample;
         struct rnd_v3 light = {0, 0, 0};
+        rnd_closure_at(surface, wo, &closure);
         if (lights->pdf[j] > 0.0f && !is_drawn_before(tracer, j)) {
             float pdf;
-            const vec3s f = rnd_bsdf(surface, wo, rnd_from_v3(rnd_get(&lights->direction, j)), &pdf);
+            const vec3s f = rnd_closure_evaluate(&closure, rnd_from_v3(rnd_get(&lights->direction, j)), &pdf);
             if (glms_vec3_max(f) > 0.0f) light = contribution(tracer, j, rnd_to_v3(f), pdf);
         }
         rnd_put(&to->contribution, j, light);
         const float u[3] = {tracer->number[0][j], tracer->number[1][j], tracer->number[2][j]};
         to->pdf[j] = -1.0f;
-        if (!rnd_bsdf_draw(surface, wo, u, &sample)) continue;
+        if (!rnd_closure_sample(&closure, u, &sample)) continue;
         rnd_put(&to->direction, j, rnd_to_v3(sample.wi));
         rnd_put(&to->weight, j, rnd_to_v3(sample.weight));
         to->pdf[j] = sample.delta ? 0.0f : sample.pdf;

@@ -3,7 +3,6 @@
 #include "path/emission.h"
 #include "material/ggx.h"
 #include "material/point.h"
-#include "material/layered.h"
 
 #include <string.h>
 

@@ -5,8 +5,6 @@
 
 #include <stdlib.h>
 
-#include "material/layered.h"
-
 static const struct case_of_bsdf cases[] = {
     {.name = "plain", .roughness = 0.5f, .specular = 1},
     {.name = "coat", .roughness = 0.6f, .specular = 1, .coat = 1, .coat_roughness = 0.2f},
