@@ -206,8 +206,8 @@ static void take_up(struct dmn_edits *edits)
     double camera[3];
 
     if (dmn_painter_moved(edits->options.painter, camera)) {
-        options.has_eye = true;
-        memcpy(options.eye, camera, sizeof(options.eye));
+        options.has_camera = true;
+        memcpy(options.camera, camera, sizeof(options.camera));
     }
     options.cancel = &edits->stopped;
     scene = rnd_scene_load(&options, error);

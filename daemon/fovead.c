@@ -143,7 +143,7 @@ static void print_start(const struct daemon *daemon)
     dmn_gaze_state(daemon->handles.gaze, &gaze);
     dmn_report_left_out(info, options->scene.path);
     dmn_print(daemon->out, "scene    %s\n", daemon->picture.scene.line);
-    dmn_print(daemon->out, "eye      %.8g,%.8g,%.8g m\n", info->eye[0], info->eye[1], info->eye[2]);
+    dmn_print(daemon->out, "camera   %.8g,%.8g,%.8g m\n", info->camera[0], info->camera[1], info->camera[2]);
     dmn_print(daemon->out, "gaze     %s\n", gaze.source.description);
     if (*gaze.recording) dmn_print(daemon->out, "records  %s\n", gaze.recording);
     dmn_print(daemon->out, "film     %dx%d, mode %s, %d threads\n", options->render.width,

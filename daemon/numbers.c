@@ -60,10 +60,10 @@ bool dmn_parse_size(const char *text, int *out_width, int *out_height)
     return true;
 }
 
-bool dmn_eye_is_somewhere(const double eye[3])
+bool dmn_camera_is_in_range(const double camera[3])
 {
     for (int i = 0; i < 3; i++)
-        if (!(fabs(eye[i]) <= DMN_FARTHEST)) return false;
+        if (!(fabs(camera[i]) <= DMN_FARTHEST)) return false;
     return true;
 }
 

@@ -19,7 +19,7 @@ bool dmn_parse_size(const char *text, int *out_width, int *out_height);
 enum { DMN_FARTHEST = 10000000 };
 
 /* Is it a place where the camera can be? */
-bool dmn_eye_is_somewhere(const double eye[3]);
+bool dmn_camera_is_in_range(const double camera[3]);
 
 /* Azimuth (right of -Z) and elevation, deg. */
 void dmn_angles(const float direction[3], double *out_yaw_deg, double *out_pitch_deg);

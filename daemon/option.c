@@ -62,7 +62,7 @@ static void print_values(const struct dmn_option *row)
 void dmn_option_help(const struct dmn_option *rows)
 {
     for (const struct dmn_option *row = rows; !is_end(row); row++) {
-        char left[64];
+        char left[64], help[1024];
 
         if (!row->name) {
             printf("\n%s\n", row->help);
@@ -70,7 +70,9 @@ void dmn_option_help(const struct dmn_option *rows)
         }
         snprintf(left, sizeof(left), "  --%s%s%s", row->name, row->argument ? " " : "",
                  row->argument ? row->argument : "");
-        dmn_print_columns(stdout, left, DMN_OPTION_COLUMN, row->help);
+        snprintf(help, sizeof(help), "%s%s%s", row->help, row->former ? "; formerly --" : "",
+                 row->former ? row->former : "");
+        dmn_print_columns(stdout, left, DMN_OPTION_COLUMN, help);
         if (row->value_at) print_values(row);
     }
     putchar('\n');
@@ -189,13 +191,15 @@ bool dmn_take_floats(const struct dmn_option *option, const char *text, void *va
 /* The rows as getopt_long() wants them; the caller frees them. NULL if memory is short. */
 static struct option *make_table(const struct dmn_option *rows)
 {
-    struct option *table = calloc(DMN_OPTION_MOST + 3, sizeof(*table)), *next = table;
+    struct option *table = calloc(2 * DMN_OPTION_MOST + 3, sizeof(*table)), *next = table;
 
     if (!table) return NULL;
-    for (int i = 0; i < DMN_OPTION_MOST && !is_end(&rows[i]); i++)
-        if (rows[i].name)
-            *next++ = (struct option){rows[i].name, rows[i].argument ? required_argument : no_argument, NULL,
-                                      FIRST + i};
+    for (int i = 0; i < DMN_OPTION_MOST && !is_end(&rows[i]); i++) {
+        const int argument = rows[i].argument ? required_argument : no_argument;
+
+        if (rows[i].name) *next++ = (struct option){rows[i].name, argument, NULL, FIRST + i};
+        if (rows[i].former) *next++ = (struct option){rows[i].former, argument, NULL, FIRST + i};
+    }
     *next++ = (struct option){"help", no_argument, NULL, HELP};
     *next = (struct option){"version", no_argument, NULL, VERSION};
     return table;

@@ -27,6 +27,7 @@ struct dmn_option_need {
 
 struct dmn_option {
     const char *name;     /* without dashes; NULL: help is the heading of the rows that follow */
+    const char *former;   /* an older name that is taken as well; or NULL */
     const char *argument; /* as --help calls it; NULL: the option takes none */
     const char *help;
     /* Read text, which is NULL for an option without argument, into the program's values; text stays valid.

@@ -23,12 +23,12 @@ static bool take_sun(const struct dmn_option *option, const char *text, void *va
     return out->scene.has_sun = true;
 }
 
-static bool take_eye(const struct dmn_option *option, const char *text, void *values, char *out_error)
+static bool take_camera(const struct dmn_option *option, const char *text, void *values, char *out_error)
 {
     struct dmn_options *out = values;
 
     (void)out_error;
-    return out->scene.has_eye = dmn_option_numbers(option, text, out->scene.eye);
+    return out->scene.has_camera = dmn_option_numbers(option, text, out->scene.camera);
 }
 
 static bool take_fov(const struct dmn_option *option, const char *text, void *values, char *out_error)
@@ -192,12 +192,13 @@ static const struct dmn_option ROWS[] = {
      .number = {.count = 4, .low = -FLT_MAX, .high = FLT_MAX},
      .wants =
          "AZIMUTH,ELEVATION,IRRADIANCE,DIAMETER, elevation from -90 to 90 and diameter from 0 to 90 degrees"},
-    {.name = "eye",
+    {.name = "camera",
+     .former = "eye",
      .argument = "X,Y,Z",
      .help =
          "where the camera is, m; without it, where the first camera of the file is, else the middle of the "
          "scene; foveactl move takes it elsewhere",
-     .take = take_eye,
+     .take = take_camera,
      .number = {.count = 3, .low = -DMN_FARTHEST, .high = DMN_FARTHEST, .unit = "m"}},
     {.name = "watch",
      .help =

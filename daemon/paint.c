@@ -234,7 +234,7 @@ struct dmn_painter *dmn_painter_start(const struct dmn_painter_options *options)
     if (!painter) return NULL;
     painter->options = *options;
     painter->work.generation = 1;
-    memcpy(painter->camera, rnd_scene_info(options->scene)->eye, sizeof(painter->camera));
+    memcpy(painter->camera, rnd_scene_info(options->scene)->camera, sizeof(painter->camera));
     memcpy(painter->work.camera, painter->camera, sizeof(painter->work.camera));
     pthread_mutex_init(&painter->lock, NULL);
     pthread_cond_init(&painter->changed, NULL);
@@ -263,7 +263,7 @@ uint64_t dmn_painter_move(struct dmn_painter *painter, const double position[3],
 
     pthread_mutex_lock(&painter->lock);
     for (int i = 0; i < 3; i++) out_position[i] = position[i] + (relative ? painter->camera[i] : 0);
-    if (dmn_eye_is_somewhere(out_position)) {
+    if (dmn_camera_is_in_range(out_position)) {
         memcpy(painter->camera, out_position, sizeof(painter->camera));
         painter->due = painter->moved = true;
         generation = painter->work.generation + 1;
@@ -288,7 +288,7 @@ struct rnd_scene *dmn_painter_replace(struct dmn_painter *painter, struct rnd_sc
     pthread_mutex_lock(&painter->lock);
     painter->next = scene;
     painter->due = true;
-    if (!painter->moved) memcpy(painter->camera, rnd_scene_info(scene)->eye, sizeof(painter->camera));
+    if (!painter->moved) memcpy(painter->camera, rnd_scene_info(scene)->camera, sizeof(painter->camera));
     while (painter->next && !painter->work.done) pthread_cond_wait(&painter->changed, &painter->lock);
     if (!painter->next) scene = painter->former;
     painter->next = NULL;

@@ -116,20 +116,21 @@ static bool take_move(struct dmn_client *client, Fovea__Message *message, char o
     struct dmn_answer answer = {.is_done = true, .request = move->request};
     double camera[3] = {0};
 
-    for (size_t i = 0; i < 3 && move->n_eye == 3; i++) camera[i] = (double)move->eye[i];
-    if (move->n_eye != 3 || !dmn_eye_is_somewhere(camera))
+    for (size_t i = 0; i < 3 && move->n_camera == 3; i++) camera[i] = (double)move->camera[i];
+    if (move->n_camera != 3 || !dmn_camera_is_in_range(camera))
         return dmn_client_fail(out_error, "a move to nowhere");
     if (client->handles->options->virtual_clock)
-        return dmn_client_done(client, move->request, false,
-                               "the eye stays: under the virtual clock a picture does not depend on clients",
-                               out_error);
+        return dmn_client_done(
+            client, move->request, false,
+            "the camera stays: under the virtual clock a picture does not depend on clients", out_error);
     answer.generation = dmn_painter_move(client->handles->painter, camera, move->relative, camera);
     answer.good = answer.generation > 0;
     if (answer.good)
-        snprintf(answer.text, sizeof(answer.text), "generation %llu, eye %.6g,%.6g,%.6g m",
+        snprintf(answer.text, sizeof(answer.text), "generation %llu, camera %.6g,%.6g,%.6g m",
                  (unsigned long long)answer.generation, camera[0], camera[1], camera[2]);
     else
-        snprintf(answer.text, sizeof(answer.text), "the eye stays within %d m of the origin", DMN_FARTHEST);
+        snprintf(answer.text, sizeof(answer.text), "the camera stays within %d m of the origin",
+                 DMN_FARTHEST);
     for (int i = 0; i < 3; i++) answer.camera[i] = (float)camera[i];
     return dmn_client_answer(client, &answer, out_error);
 }

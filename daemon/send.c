@@ -56,8 +56,8 @@ static uint8_t *answer(struct dmn_client *client, size_t *out_count)
     done.ok = answer->good;
     done.text = answer->text;
     done.generation = answer->generation;
-    done.n_eye = answer->generation ? 3 : 0;
-    done.eye = answer->camera;
+    done.n_camera = answer->generation ? 3 : 0;
+    done.camera = answer->camera;
     return dmn_client_pack(client, FOVEA__MESSAGE__BODY_DONE, &done, out_count);
 }
 
@@ -150,8 +150,8 @@ static uint8_t *stats(struct dmn_client *client, size_t *out_count)
     stats.recording_error = gaze.recording_error;
     stats.generation = work.generation;
     for (int i = 0; i < 3; i++) camera[i] = (float)work.camera[i];
-    stats.n_eye = 3;
-    stats.eye = camera;
+    stats.n_camera = 3;
+    stats.camera = camera;
     stats.scene = (char *)picture->scene.line;
     stats.refused = (char *)picture->scene.refused;
     if (gaze.source.is_device) stats.tracker = &tracker;

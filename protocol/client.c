@@ -203,12 +203,12 @@ static bool take_gaze(struct pro_client *client, const Fovea__Gaze *gaze, char o
            pro_fail(out_error, "%s sent a gaze of no direction", client->name);
 }
 
-/* Where the eye is, if the daemon says. */
-static bool check_eye(const struct pro_client *client, const float *eye, size_t count,
-                      char out_error[PRO_ERROR_SIZE])
+/* Where the camera is, if the daemon says. */
+static bool check_camera(const struct pro_client *client, const float *camera, size_t count,
+                         char out_error[PRO_ERROR_SIZE])
 {
-    return ((count == 0 || count == 3) && all_finite(eye, count)) ||
-           pro_fail(out_error, "%s sent an eye that is nowhere", client->name);
+    return ((count == 0 || count == 3) && all_finite(camera, count)) ||
+           pro_fail(out_error, "%s sent a camera that is nowhere", client->name);
 }
 
 /* What this side makes of a message. Only Welcome, or Done instead of it, comes first, and only once. */
@@ -221,7 +221,7 @@ static bool take(struct pro_client *client, const Fovea__Message *message, char 
         return take_welcome(client, message->welcome, out_error);
     case FOVEA__MESSAGE__BODY_DONE:
         pro_clean(message->done->text);
-        if (welcomed) return check_eye(client, message->done->eye, message->done->n_eye, out_error);
+        if (welcomed) return check_camera(client, message->done->camera, message->done->n_camera, out_error);
         return pro_fail(out_error, "%s refused: %s", client->name, message->done->text);
     case FOVEA__MESSAGE__BODY_TILE:
         if (!welcomed) break;
@@ -243,7 +243,7 @@ static bool take(struct pro_client *client, const Fovea__Message *message, char 
         pro_clean(message->stats->recording_error);
         pro_clean(message->stats->scene);
         pro_clean(message->stats->refused);
-        return check_eye(client, message->stats->eye, message->stats->n_eye, out_error);
+        return check_camera(client, message->stats->camera, message->stats->n_camera, out_error);
     default:
         break;
     }

@@ -130,7 +130,7 @@ int pro_client_fd(const struct pro_client *client); /* for poll(); owned by the 
  * timeout, PRO_BROKEN with a line in out_error when the daemon has gone or spoke nonsense. What is returned
  * is a Tile, Gaze, Stats, Done, Pong or Bye, and safe to use: a Tile has a place in the film and its pixels are in
  * the picture (unless its generation is over; the first one of a new generation has emptied it), a Gaze has 3
- * finite numbers of direction, 0 or 3 of aim and 0 or 4 of head, a Stats or Done 0 or 3 finite ones of eye,
+ * finite numbers of direction, 0 or 3 of aim and 0 or 4 of head, a Stats or Done 0 or 3 finite ones of camera,
  * text has no control characters. A tile is acknowledged before it is returned or, when more
  * messages have come in behind it, together with the next few of them: call this again until PRO_MORE. */
 enum pro_result pro_receive(struct pro_client *client, int timeout_ms, Fovea__Message **out_message,

@@ -64,8 +64,8 @@ struct rnd_scene_options {
     /* NULL: the scene starts its own. */
     struct rnd_image_program *image_program;
     const atomic_bool *cancel; /* set by any thread as soon as the scene is not wanted any more; or NULL */
-    bool has_eye;
-    double eye[3]; /* the camera's position, m; without it the file's first camera, else the middle of the
+    bool has_camera;
+    double camera[3]; /* the camera's position, m; without it the file's first camera, else the middle of the
                       scene's bounds */
 };
 
@@ -73,7 +73,7 @@ struct rnd_scene_info {
     uint64_t triangles, emissive_triangles; /* a mesh that has many instances counts once for each */
     uint32_t meshes, materials, textures, punctual_lights;
     bool has_env, has_sun;
-    double eye[3];                      /* the camera's position, m */
+    double camera[3];                   /* the camera's position, m */
     double bounds[2][3];                /* lowest and highest corner, m */
     uint64_t texture_bytes;             /* 0 while they are read */
     double read_seconds, build_seconds; /* import and textures; BVH and light tables */

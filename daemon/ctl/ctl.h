@@ -104,8 +104,8 @@ void ctl_tracker_line(const Fovea__Tracker *tracker, char *out_line, size_t size
 /* The same; it may be NULL; a new reference. */
 json_t *ctl_tracker_json(const Fovea__Tracker *tracker);
 
-/* Where the eye is, m; null if count, of its numbers, is 0; a new reference. */
-json_t *ctl_eye_json(const float *eye, size_t count);
+/* Where the camera is, m; null if count, of its numbers, is 0; a new reference. */
+json_t *ctl_camera_json(const float *camera, size_t count);
 
 /* Keys of the terminal, as they are pressed, from now until the end, or exit(). False if there is no
  * terminal. */

@@ -1,4 +1,4 @@
-/* foveactl move: the eye goes elsewhere; says which generation of the picture that begins, and how soon its
+/* foveactl move: the camera goes elsewhere; says which generation of the picture that begins, and how soon its
  * first tile was here. */
 #include <stdio.h>
 
@@ -32,9 +32,9 @@ static bool tell(const struct ctl *ctl, struct pro_client *client, const Fovea__
         double passed_ms = (double)(dmn_now_ns() - sent_ns) * 1e-6;
 
         if (ctl->json) {
-            json_t *object =
-                json_pack("{s:I, s:o, s:f}", "generation", (json_int_t)answer->done->generation, "eye",
-                          ctl_eye_json(answer->done->eye, answer->done->n_eye), "first_tile_ms", passed_ms);
+            json_t *object = json_pack(
+                "{s:I, s:o, s:f}", "generation", (json_int_t)answer->done->generation, "camera",
+                ctl_camera_json(answer->done->camera, answer->done->n_camera), "first_tile_ms", passed_ms);
 
             if (object) json_dumpf(object, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
             if (object) putchar('\n');
@@ -53,10 +53,10 @@ static int run(const struct ctl *ctl)
     Fovea__Move move = FOVEA__MOVE__INIT;
     struct pro_client *client;
     double number[3];
-    float eye[3] = {0};
-    bool good = dmn_parse_numbers(ctl->operand[0], 3, number) && dmn_eye_is_somewhere(number);
+    float camera[3] = {0};
+    bool good = dmn_parse_numbers(ctl->operand[0], 3, number) && dmn_camera_is_in_range(number);
 
-    for (int i = 0; good && i < 3; i++) eye[i] = (float)number[i];
+    for (int i = 0; good && i < 3; i++) camera[i] = (float)number[i];
     if (!good) {
         ctl_fail("move wants X,Y,Z in metres, each %d at most, not '%s'", DMN_FARTHEST, ctl->operand[0]);
         return 2;
@@ -65,8 +65,8 @@ static int run(const struct ctl *ctl)
     client = ctl_connect(ctl, FOVEA__ENCODING__ENCODING_JPEG, false, false);
     if (!client) return 1;
     move.request = 1;
-    move.n_eye = 3;
-    move.eye = eye;
+    move.n_camera = 3;
+    move.camera = camera;
     move.relative = ctl->by;
     message.body_case = FOVEA__MESSAGE__BODY_MOVE;
     message.move = &move;

@@ -42,7 +42,7 @@ static bool is_image(const char *path)
 }
 
 /* Receive until the picture is whole, then --settle seconds longer for finer tiles. If it begins anew again
- * and again because the eye moves, those seconds count from the first whole picture, and the next whole one
+ * and again because the camera moves, those seconds count from the first whole picture, and the next whole one
  * after them is taken. */
 static bool gather(struct snapshot *snapshot)
 {
@@ -60,7 +60,7 @@ static bool gather(struct snapshot *snapshot)
         if (result == PRO_BROKEN) return whole || ctl_fail("%s", error);
         if (result == PRO_MESSAGE && message->body_case == FOVEA__MESSAGE__BODY_TILE) {
             snapshot->tiles++;
-            /* What was there is gone: the eye has moved, or the scene was edited. */
+            /* What was there is gone: the camera has moved, or the scene was edited. */
             if (message->tile->generation > snapshot->generation) {
                 snapshot->generation = message->tile->generation;
                 whole = false;

@@ -9,9 +9,9 @@ static void print_table(const Fovea__Welcome *welcome, const Fovea__Stats *s)
 {
     dmn_print(stdout, "daemon    %s\nscene     %s\n", welcome->server, s->scene);
     if (*s->refused) dmn_print(stdout, "          the last edit was not taken: %s\n", s->refused);
-    if (s->n_eye)
-        dmn_print(stdout, "eye       %.6g,%.6g,%.6g m, generation %llu\n", s->eye[0], s->eye[1], s->eye[2],
-                  (unsigned long long)s->generation);
+    if (s->n_camera)
+        dmn_print(stdout, "camera    %.6g,%.6g,%.6g m, generation %llu\n", s->camera[0], s->camera[1],
+                  s->camera[2], (unsigned long long)s->generation);
     dmn_print(stdout, "gaze      %s\n", s->gaze_source);
     dmn_print(stdout, "          %llu samples, %llu valid%s%s\n", (unsigned long long)s->gaze_samples,
               (unsigned long long)s->gaze_valid, s->frozen ? ", frozen" : "",
@@ -57,9 +57,9 @@ json_t *ctl_tracker_json(const Fovea__Tracker *t)
                      "has_clock", t->has_clock, "jitter_ms", t->jitter_ms, "drift_ppm", t->drift_ppm);
 }
 
-json_t *ctl_eye_json(const float *eye, size_t count)
+json_t *ctl_camera_json(const float *camera, size_t count)
 {
-    return count == 3 ? json_pack("[f,f,f]", eye[0], eye[1], eye[2]) : json_null();
+    return count == 3 ? json_pack("[f,f,f]", camera[0], camera[1], camera[2]) : json_null();
 }
 
 static void print_json(const Fovea__Welcome *welcome, const Fovea__Stats *s)
@@ -68,9 +68,9 @@ static void print_json(const Fovea__Welcome *welcome, const Fovea__Stats *s)
         "{s:s, s:s, s:s, s:o, s:I, s:s, s:o, s:s, s:I, s:I, s:s, s:s, s:[I,I], s:I, s:f, s:I, s:I, s:I, s:I, "
         "s:I, s:I, "
         "s:I, s:I, s:b, s:b, s:f, s:f, s:I}",
-        "daemon", welcome->server, "scene", s->scene, "refused", s->refused, "eye",
-        ctl_eye_json(s->eye, s->n_eye), "generation", (json_int_t)s->generation, "gaze", s->gaze_source,
-        "tracker", ctl_tracker_json(s->tracker), "recording", s->recording, "recorded",
+        "daemon", welcome->server, "scene", s->scene, "refused", s->refused, "camera",
+        ctl_camera_json(s->camera, s->n_camera), "generation", (json_int_t)s->generation, "gaze",
+        s->gaze_source, "tracker", ctl_tracker_json(s->tracker), "recording", s->recording, "recorded",
         (json_int_t)s->recorded, "recording_lost", (json_int_t)s->recording_lost, "recording_error",
         s->recording_error, "mode", welcome->distribution, "size", (json_int_t)welcome->width,
         (json_int_t)welcome->height, "paths", (json_int_t)s->samples, "paths_per_second",

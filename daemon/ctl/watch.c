@@ -15,7 +15,7 @@
 /* Between two drawings: on a terminal, and as plain lines. */
 static const uint64_t REDRAW_NS = 200000000, LINE_NS = 1000000000;
 
-/* How far a key moves the eye, m. */
+/* How far a key moves the camera, m. */
 static const float STEP = 0.25f;
 
 /* Stages on the way from a gaze sample to the client's screen. */
@@ -40,7 +40,7 @@ struct watch {
     char gaze_source[TRK_ERROR_SIZE], answer[1024]; /* to the last key */
     char recording[1024], recording_error[TRK_ERROR_SIZE];
     char scene[1024], refused[RND_ERROR_SIZE];
-    float direction[3], spread, eye[3];
+    float direction[3], spread, camera[3];
     char state[32], source[32], why[80];
     uint64_t states[TRK_FROZEN + 1]; /* how often Gaze had it */
 
@@ -99,7 +99,7 @@ static void take_stats(struct watch *watch, const Fovea__Stats *stats)
     snprintf(watch->recording_error, sizeof(watch->recording_error), "%s", stats->recording_error);
     snprintf(watch->scene, sizeof(watch->scene), "%s", stats->scene);
     snprintf(watch->refused, sizeof(watch->refused), "%s", stats->refused);
-    if (stats->n_eye) memcpy(watch->eye, stats->eye, sizeof(watch->eye));
+    if (stats->n_camera) memcpy(watch->camera, stats->camera, sizeof(watch->camera));
 }
 
 static void take(struct watch *watch, const Fovea__Message *message)
@@ -209,8 +209,8 @@ static void draw_table(struct watch *watch)
     watch->lines = 0;
     row(watch, "time      %.1f s", (double)(watch->drawn_ns - watch->began_ns) * 1e-9);
     if (*watch->refused) row(watch, "scene     the last edit was not taken: %s", watch->refused);
-    row(watch, "eye       %.4g,%.4g,%.4g m, generation %llu", watch->eye[0], watch->eye[1], watch->eye[2],
-        (unsigned long long)s->generation);
+    row(watch, "camera    %.4g,%.4g,%.4g m, generation %llu", watch->camera[0], watch->camera[1],
+        watch->camera[2], (unsigned long long)s->generation);
     row(watch, "paths     %.4g M, %.2f M/s, %.4g M rays", (double)s->samples * 1e-6,
         s->samples_per_second * 1e-6, (double)s->rays * 1e-6);
     row(watch, "tiles     %u: %u visited, %u converged, %u settled", s->tiles, s->tiles_visited,
@@ -228,7 +228,7 @@ static void draw_table(struct watch *watch)
             dmn_histogram_quantile(&watch->stage[i], 0.95) * 1e3,
             dmn_histogram_quantile(&watch->stage[i], 0.99) * 1e3);
     if (watch->keys)
-        row(watch, "keys      f %s, c recentre, w a s d or arrows move the eye, q quit",
+        row(watch, "keys      f %s, c recentre, w a s d or arrows move the camera, q quit",
             s->frozen ? "unfreeze" : "freeze");
     if (*watch->answer) row(watch, "          %s", watch->answer);
     fflush(stdout);
@@ -290,7 +290,7 @@ static void print_json(const struct watch *watch, double seconds)
         "s:b, s:[f,f], s:s, s:s, s:s, s:f, s:o, s:o, s:s, s:I, s:I, s:s, s:I, s:I, "
         "s:f, s:f, s:f, s:o}",
         "seconds", seconds, "scene", watch->has_stats ? watch->scene : welcome->scene, "refused",
-        watch->refused, "eye", ctl_eye_json(watch->eye, watch->stats.n_eye), "generation",
+        watch->refused, "camera", ctl_camera_json(watch->camera, watch->stats.n_camera), "generation",
         (json_int_t)s->generation, "gaze", watch->gaze_source, "mode", welcome->distribution, "size",
         (json_int_t)welcome->width, (json_int_t)welcome->height, "paths", (json_int_t)s->samples,
         "paths_per_second", s->samples_per_second, "rays", (json_int_t)s->rays, "not_finite",
@@ -346,8 +346,8 @@ static bool press(struct watch *watch, char key)
         message.recentre = &recentre;
     } else {
         step(watch, key, by);
-        move.n_eye = 3;
-        move.eye = by;
+        move.n_camera = 3;
+        move.camera = by;
         move.relative = true;
         message.body_case = FOVEA__MESSAGE__BODY_MOVE;
         message.move = &move;

@@ -116,7 +116,7 @@ static bool read_named(struct rnd_import *in, const struct aiScene *file, const 
     for (unsigned i = 0; i < file->mNumCameras; i++) {
         const struct aiVector3D at = file->mCameras[i]->mPosition;
         if (strcmp(file->mCameras[i]->mName.data, node->mName.data) == 0)
-            rnd_import_eye(in, world, (const float[]){at.x, at.y, at.z});
+            rnd_import_camera(in, world, (const float[]){at.x, at.y, at.z});
     }
     for (unsigned i = 0; i < file->mNumLights; i++) {
         const struct aiLight *from = file->mLights[i];

@@ -36,7 +36,7 @@ struct rnd_flat_head {
     struct rnd_flat_list punctual;  /* struct rnd_punctual */
     struct rnd_flat_list files;     /* bytes of paths, as struct rnd_files has them */
     uint64_t warnings, unsupported; /* texts */
-    double eye[3], bounds[2][3], origin[3];
+    double camera[3], bounds[2][3], origin[3];
 };
 
 /* Differs if a structure has another size. */

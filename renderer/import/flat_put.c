@@ -107,7 +107,7 @@ bool rnd_flat_put(struct rnd_scene *scene, int fd)
     head.files = put_list(&put, scene->files.text, scene->files.size, 1);
     head.warnings = put_text(&put, scene->warnings.text);
     head.unsupported = put_text(&put, scene->unsupported);
-    memcpy(head.eye, scene->info.eye, sizeof head.eye);
+    memcpy(head.camera, scene->info.camera, sizeof head.camera);
     memcpy(head.bounds, scene->info.bounds, sizeof head.bounds);
     memcpy(head.origin, scene->origin, sizeof head.origin);
     return put.ok && pwrite(fd, &head, sizeof head, 0) == (ssize_t)sizeof head;

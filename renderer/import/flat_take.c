@@ -282,17 +282,17 @@ static bool take_rest(struct take *take, const struct rnd_flat_head *head)
 {
     struct rnd_scene *scene = take->scene;
     const char *warnings = text_at(take, head->warnings), *unsupported = text_at(take, head->unsupported);
-    if (!warnings || !unsupported || !all_within(head->eye, 3, (double)MOST_COORDINATE) ||
+    if (!warnings || !unsupported || !all_within(head->camera, 3, (double)MOST_COORDINATE) ||
         !all_within(head->bounds[0], 6, (double)MOST_COORDINATE) ||
         !all_within(head->origin, 3, (double)MOST_COORDINATE))
-        return fail(take, "no place for the eye");
+        return fail(take, "no place for the camera");
     for (size_t length; *warnings; warnings += length + (warnings[length] != 0)) {
         length = strcspn(warnings, "\n");
         rnd_warn(&scene->warnings, "%.*s", length < 4096 ? (int)length : 4096, warnings);
     }
     snprintf(scene->unsupported, sizeof scene->unsupported, "%s", unsupported);
     rnd_make_printable(scene->unsupported);
-    memcpy(scene->info.eye, head->eye, sizeof head->eye);
+    memcpy(scene->info.camera, head->camera, sizeof head->camera);
     memcpy(scene->info.bounds, head->bounds, sizeof head->bounds);
     memcpy(scene->origin, head->origin, sizeof head->origin);
     return scene->info.triangles > 0 || fail(take, "no triangle");

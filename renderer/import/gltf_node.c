@@ -359,7 +359,7 @@ static bool walk_node(struct rnd_gltf *gltf, size_t node, const struct rnd_affin
         return true;
     snprintf(where, sizeof where, "nodes[%zu].camera", node);
     if (camera && !rnd_gltf_at(gltf, "cameras", camera, where, NULL)) return false;
-    if (camera) rnd_import_eye(gltf->in, &world, origin);
+    if (camera) rnd_import_camera(gltf->in, &world, origin);
     if (!place_mesh(gltf, node, &world) || !place_light(gltf, node, &world)) return false;
     for (size_t i = 0; i < json_array_size(children); i++) {
         const size_t child = (size_t)json_integer_value(json_array_get(children, i));

@@ -378,13 +378,13 @@ bool rnd_import_place(struct rnd_import *in, uint32_t shape_index, const struct 
     return mesh && move_mesh(in, mesh, shape->name, world);
 }
 
-void rnd_import_eye(struct rnd_import *in, const struct rnd_affine *world, const float position[3])
+void rnd_import_camera(struct rnd_import *in, const struct rnd_affine *world, const float position[3])
 {
     double p[3];
-    if (in->has_eye || in->counting) return;
+    if (in->has_camera || in->counting) return;
     rnd_affine_apply(world, position, 1.0, p);
-    memcpy(in->scene->info.eye, p, sizeof p);
-    in->has_eye = in_range(p);
+    memcpy(in->scene->info.camera, p, sizeof p);
+    in->has_camera = in_range(p);
 }
 
 /* What is no intensity becomes 0, with a warning; what is no angle, all around. */
@@ -437,7 +437,7 @@ bool rnd_import_nodes(struct rnd_import *in, bool (*walk)(struct rnd_import *in,
     in->counting = false;
     if (!choose_shared(in) || !walk(in, file)) return false;
     if (info->triangles == 0) return rnd_import_fail(in, "holds no triangle");
-    for (int k = 0; k < 3 && !in->has_eye; k++)
-        info->eye[k] = 0.5 * (info->bounds[0][k] + info->bounds[1][k]);
+    for (int k = 0; k < 3 && !in->has_camera; k++)
+        info->camera[k] = 0.5 * (info->bounds[0][k] + info->bounds[1][k]);
     return true;
 }

@@ -1,5 +1,5 @@
 /* What readers of scene files share: they hand over meshes in coordinates of their own, and say where these,
- * lights and the eye are. What is in many places becomes instances; all else is put into the world. */
+ * lights and the camera are. What is in many places becomes instances; all else is put into the world. */
 #ifndef FOVEAD_RENDERER_IMPORT_H
 #define FOVEAD_RENDERER_IMPORT_H
 
@@ -36,7 +36,7 @@ struct rnd_import {
     uint64_t triangles, vertices; /* that are in memory */
     uint64_t places;              /* of shapes */
     bool counting;                /* the first of two rounds: places are only counted */
-    bool has_eye;
+    bool has_camera;
 };
 
 /* Put "path: what" on one line into in->error. Returns false. */
@@ -52,8 +52,8 @@ bool rnd_import_nodes(struct rnd_import *in, bool (*walk)(struct rnd_import *in,
 
 /* A shape is there. */
 bool rnd_import_place(struct rnd_import *in, uint32_t shape, const struct rnd_affine *world);
-/* The eye is there, if this is the first place that it has. */
-void rnd_import_eye(struct rnd_import *in, const struct rnd_affine *world, const float position[3]);
+/* The camera is there, if this is the first place that it has. */
+void rnd_import_camera(struct rnd_import *in, const struct rnd_affine *world, const float position[3]);
 /* A light is there; its own position and direction are in its node's coordinates. */
 bool rnd_import_light(struct rnd_import *in, struct rnd_punctual light, const struct rnd_affine *world);
 

@@ -232,7 +232,7 @@ struct rnd_scene *rnd_scene_load(const struct rnd_scene_options *options, char o
         }
         rnd_sun_init(scene->lights.sun, options->sun);
     }
-    if (options->has_eye) memcpy(scene->info.eye, options->eye, sizeof options->eye);
+    if (options->has_camera) memcpy(scene->info.camera, options->camera, sizeof options->camera);
     const double read = seconds();
     if (!build(scene, options, out_error)) goto fail;
     scene->cancel = NULL; /* before the thread of late textures begins, which has a cancelled of its own */

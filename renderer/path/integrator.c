@@ -299,7 +299,7 @@ bool rnd_integrator_init(struct rnd_integrator *integrator, const struct rnd_sce
         ok = (integrator->worker[i].tracer =
                   rnd_tracer_create(scene, &integrator->choice, options->max_bounces, options->firefly,
                                     film->width, seed)) != NULL;
-    if (ok) go_to(integrator, scene, scene->info.eye);
+    if (ok) go_to(integrator, scene, scene->info.camera);
     return ok;
 }
 

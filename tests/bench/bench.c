@@ -58,7 +58,7 @@ static bool take(const char *text, const struct bench_option *option)
 bool bench_options(int count, char **arguments, const char *help, const struct bench_option *list,
                    struct rnd_scene_options *scene, bool *json)
 {
-    enum { SCENE, ENV, SUN, EYE, SCENE_OPTIONS, MOST = 16 };
+    enum { SCENE, ENV, SUN, CAMERA, EYE, SCENE_OPTIONS, MOST = 16 };
     struct bench_option all[MOST];
     struct option option[MOST + 3] = {{"help", no_argument, NULL, 'h'}, {"json", no_argument, NULL, 'j'}};
     int n = 0;
@@ -66,7 +66,9 @@ bool bench_options(int count, char **arguments, const char *help, const struct b
         all[SCENE] = (struct bench_option){"scene", BENCH_TEXT, &scene->path, 1, 0, 0};
         all[ENV] = (struct bench_option){"env", BENCH_TEXT, &scene->env_path, 1, 0, 0};
         all[SUN] = (struct bench_option){"sun", BENCH_FLOAT, scene->sun, 4, -FLT_MAX, FLT_MAX};
-        all[EYE] = (struct bench_option){"eye", BENCH_DOUBLE, scene->eye, 3, -FLT_MAX, FLT_MAX};
+        all[CAMERA] = (struct bench_option){"camera", BENCH_DOUBLE, scene->camera, 3, -FLT_MAX, FLT_MAX};
+        all[EYE] = all[CAMERA];
+        all[EYE].name = "eye"; /* the older name */
         n = SCENE_OPTIONS;
     }
     for (; list->name && n < MOST; list++) all[n++] = *list;
@@ -87,7 +89,7 @@ bool bench_options(int count, char **arguments, const char *help, const struct b
             return false;
         }
         if (scene && i - 2 == SUN) scene->has_sun = true;
-        if (scene && i - 2 == EYE) scene->has_eye = true;
+        if (scene && (i - 2 == CAMERA || i - 2 == EYE)) scene->has_camera = true;
     }
     if (optind < count) {
         fprintf(stderr, "fovea-bench: \"%s\" is no option\n", arguments[optind]);

@@ -35,7 +35,7 @@ bool bench_options(int count, char **arguments, const char *help, const struct b
     "  --scene FILE       default: the shipped hall, with its sky\n"                                         \
     "  --env FILE         environment map\n"                                                                 \
     "  --sun A,E,S,D      azimuth, elevation, irradiance, angular diameter (deg)\n"                          \
-    "  --eye X,Y,Z        m\n"
+    "  --camera X,Y,Z     m; --eye is the older name\n"
 
 /* One line on stderr; returns false. */
 bool bench_fail(const char *error);

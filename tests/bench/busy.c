@@ -132,9 +132,9 @@ static void words_of(const struct setup *setup, const char *fovead, const char *
     snprintf(text[0], sizeof *text, "%.9g,%.9g,%.9g,%.9g", (double)scene->sun[0], (double)scene->sun[1],
              (double)scene->sun[2], (double)scene->sun[3]);
     if (scene->has_sun) word[n++] = "--sun", word[n++] = text[0];
-    snprintf(text[1], sizeof *text, "%.9g,%.9g,%.9g", (double)scene->eye[0], (double)scene->eye[1],
-             (double)scene->eye[2]);
-    if (scene->has_eye) word[n++] = "--eye", word[n++] = text[1];
+    snprintf(text[1], sizeof *text, "%.9g,%.9g,%.9g", (double)scene->camera[0], (double)scene->camera[1],
+             (double)scene->camera[2]);
+    if (scene->has_camera) word[n++] = "--camera", word[n++] = text[1];
     snprintf(text[2], sizeof *text, "%d", setup->width);
     word[n++] = "--size", word[n++] = text[2];
     word[n++] = "--gaze", word[n++] = setup->gaze;

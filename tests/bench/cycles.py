@@ -59,7 +59,7 @@ def parse(arguments):
     add("--scene", metavar="FILE.gltf", help="default: the shipped hall, with its sky")
     add("--env", metavar="FILE", help="environment map")
     add("--sun", type=numbers(4), metavar="A,E,I,D", help="azimuth, elevation, irradiance, angular diameter (deg)")
-    add("--eye", type=numbers(3), metavar="X,Y,Z", help="m; default: the file's first camera")
+    add("--camera", "--eye", dest="camera", type=numbers(3), metavar="X,Y,Z", help="m; default: the file's first camera")
     add("--gaze", type=numbers(2), default=(30.0, -10.0), metavar="A,E", help="azimuth (right) and elevation, deg; 30,-10")
     add("--bounces", type=at_least(1), default=4, metavar="N", help="fovead's: surfaces after the first; 4")
     add("--flat", action="store_true", help="leave out the vertices' normals: where they make a face look curved, Cycles "
@@ -144,7 +144,7 @@ def first_camera(gltf, path):
     for node, world in cycles_scene.walk(gltf):
         if "camera" in node:
             return tuple(world.to_translation())
-    raise cycles_scene.Unreadable("%s: has no camera: --eye is needed" % path)
+    raise cycles_scene.Unreadable("%s: has no camera: --camera is needed" % path)
 
 
 # --- fovead ---
@@ -152,7 +152,7 @@ def first_camera(gltf, path):
 
 def fovead(setup, *options):
     """Runs it; returns its summary."""
-    command = [setup.fovead, "--scene", setup.rewritten, "--eye", "%.9g,%.9g,%.9g" % setup.eye, "--bounces",
+    command = [setup.fovead, "--scene", setup.rewritten, "--camera", "%.9g,%.9g,%.9g" % setup.camera, "--bounces",
                str(setup.bounces), "--threads", str(setup.threads), "--json", *options]
     if setup.env:
         command += ["--env", setup.env]
@@ -335,8 +335,8 @@ def say(text):
 
 
 def table(setup, triangles, means, speeds):
-    lines = ["%s, %d triangles, made diffuse%s; eye %g,%g,%g; gaze %g right, %g up" %
-             (setup.scene, triangles, " and flat" if setup.flat else "", *setup.eye, *setup.gaze),
+    lines = ["%s, %d triangles, made diffuse%s; camera %g,%g,%g; gaze %g right, %g up" %
+             (setup.scene, triangles, " and flat" if setup.flat else "", *setup.camera, *setup.gaze),
              "fovead --bounces %d, Cycles %d bounces: %d surfaces a path at most" %
              (setup.bounces, setup.bounces - 1, setup.bounces + 1),
              "mean radiance (luminance), panorama of %d x %d, two renders each of %g million paths%s" %
@@ -373,14 +373,14 @@ def measure(arguments, directory, out):
     if setup.keep:
         os.makedirs(setup.keep, exist_ok=True)
     gltf, setup.rewritten = rewrite(setup.scene, directory, setup.flat)
-    setup.eye = setup.eye or first_camera(gltf, setup.scene)
+    setup.camera = setup.camera or first_camera(gltf, setup.scene)
     say("reading %s into Blender" % setup.scene)
     triangles = cycles_scene.build(gltf, directory, setup)
     setup.still = still_gaze(setup, os.path.join(directory, "still.gaze"))
     means = compare(setup, directory)
     speeds = race(setup, directory) if setup.turns > 0 else []
     if setup.json:
-        json.dump({"scene": setup.scene, "triangles": triangles, "flat": setup.flat, "eye": setup.eye, "gaze": setup.gaze,
+        json.dump({"scene": setup.scene, "triangles": triangles, "flat": setup.flat, "camera": setup.camera, "gaze": setup.gaze,
                    "bounces": setup.bounces, "threads": setup.threads, "width": setup.width, "paths": setup.paths,
                    "means": means, "speeds": speeds}, out, indent=1)
         out.write("\n")

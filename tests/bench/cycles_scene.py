@@ -265,13 +265,13 @@ def add_sun(azimuth, elevation, irradiance, diameter):
     bpy.context.scene.collection.objects.link(sun)
 
 
-def add_camera(eye):
+def add_camera(position):
     data = bpy.data.cameras.new("camera")
     data.type = "PANO"
     owner(data, "panorama_type").panorama_type = "EQUIRECTANGULAR"
     data.clip_start, data.clip_end = 1e-4, 1e9
     camera = bpy.data.objects.new("camera", data)
-    camera.location = FRAME @ Vector(eye)
+    camera.location = FRAME @ Vector(position)
     camera.rotation_euler = (math.pi / 2, 0, -math.pi / 2)  # looks along +X, +Z is up
     bpy.context.scene.collection.objects.link(camera)
     bpy.context.scene.camera = camera
@@ -321,7 +321,7 @@ def build(gltf, directory, setup):
     add_env(setup.env)
     if setup.sun:
         add_sun(*setup.sun)
-    add_camera(setup.eye)
+    add_camera(setup.camera)
     return triangles
 
 

@@ -152,7 +152,7 @@ static double trace(struct rnd_render *render, const struct rnd_scene *scene, co
 {
     const struct rnd_aim aim = {.gaze = {0, 0, -1}, .view = {0, 0, 0, 1}, .fov = {1.7f, 1.7f}};
     struct rnd_batch batch;
-    rnd_render_restart(render, scene, rnd_scene_info(scene)->eye);
+    rnd_render_restart(render, scene, rnd_scene_info(scene)->camera);
     rnd_render_batch(render, &aim, 0, 1, &batch);
     *out_rays = 0;
     const double start = bench_seconds(CLOCK_PROCESS_CPUTIME_ID);

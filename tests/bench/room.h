@@ -1,4 +1,4 @@
-/* A small room for measurements, as glTF: a bumpy floor, walls, 16 balls around the eye and a panel above
+/* A small room for measurements, as glTF: a bumpy floor, walls, 16 balls around the camera and a panel above
  * them, open to an even sky; and the same room with one thing more. */
 #ifndef FOVEAD_BENCH_ROOM_H
 #define FOVEAD_BENCH_ROOM_H

@@ -74,7 +74,7 @@ static bool measure(const struct setup *setup, int turn, double figure[FIGURES][
         while ((textures = rnd_scene_take_textures(scene, &warnings)) == RND_TEXTURES_READING)
             rnd_render_batch(render, &aim, 0, BATCH, &batch);
         if (*warnings) exit((fprintf(stderr, "fovea-bench: %s", warnings), 1));
-        rnd_render_restart(render, scene, out_info->eye);
+        rnd_render_restart(render, scene, out_info->camera);
         rnd_render_outline(render, &aim, 0, &batch);
         figure[TEXTURED][turn] = figure[BUILD][turn] + bench_seconds(CLOCK_MONOTONIC) - start;
         *out_info = *rnd_scene_info(scene);

@@ -74,16 +74,16 @@ refused usage "$foveactl" recentre 1,2 3
 # Keys, on a terminal, which is as before afterwards; each is pressed when the answer to the one before is to be seen.
 shows() { await "'$1' on the terminal" grep -q "$1" keys.txt; }
 # A step ahead and one to the right are square to each other.
-moved() { "$foveactl" stats --json | grep -A 3 '"eye"' | tr -d '", ' | awk '{s += $1 * $1} END {exit !(s > 0.12 && s < 0.13)}'; }
+moved() { "$foveactl" stats --json | grep -A 3 '"camera"' | tr -d '", ' | awk '{s += $1 * $1} END {exit !(s > 0.12 && s < 0.13)}'; }
 : >keys.txt
 (shows 'f freeze'; printf f; shows 'f unfreeze'; printf c; shows 'recentre: gaze is\|gaze is turned by'
-    printf 'w\033[C'; await 'w and the arrow to move the eye' moved; printf q) |
+    printf 'w\033[C'; await 'w and the arrow to move the camera' moved; printf q) |
     script -qec "sh -c 'stty -g >before; \"$foveactl\" watch; stty -g >after'" /dev/null >>keys.txt
 cmp before after
 grep -q 'f freeze, c recentre, .* q quit' keys.txt && grep -q 'f unfreeze' keys.txt || fail "keys: $(tail -n 20 keys.txt)"
 grep -q 'recentre: gaze is\|gaze is turned by' keys.txt || fail "no answer to c: $(tail -n 20 keys.txt)"
 "$foveactl" stats --json | grep -q '"frozen": true' || fail "f does not freeze"
-moved || fail "w and the arrow do not move the eye: $("$foveactl" stats)"
+moved || fail "w and the arrow do not move the camera: $("$foveactl" stats)"
 stop
 [ "$(wc -l <daemon.err)" = 0 ] || fail "the daemon complains: $(cat daemon.err)"
 

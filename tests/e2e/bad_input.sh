@@ -33,7 +33,7 @@ zero='\0\0\0\0'
 printf "$zero$zero$away$one$zero$away$zero$one$away" >good.bin
 printf "$zero$zero$away$one\\0\\0\\300\\177$away$zero$one$away" >nan.bin
 gltf good.gltf "$node $mesh" good.bin
-"$fovead" --size 128x64 --until 1spp --scene good.gltf --eye 0,0,0 >good.out 2>good.err ||
+"$fovead" --size 128x64 --until 1spp --scene good.gltf --camera 0,0,0 >good.out 2>good.err ||
     fail "the good triangle: $(cat good.err)"
 
 bad missing.gltf --scene missing.gltf
@@ -72,7 +72,7 @@ sed -i 's/"emissiveFactor"/"emissiveTexture": {"index": 0}, &/; s/"materials"/"i
 echo "not an image" >words.png
 # A scene goes on without an image that cannot be read, with one line that names it.
 without() {
-    "$fovead" --size 128x64 --until 4spp --eye 0,0,0 --scene "$1" >without.out 2>without.err ||
+    "$fovead" --size 128x64 --until 4spp --camera 0,0,0 --scene "$1" >without.out 2>without.err ||
         fail "$1: $(cat without.err)"
     [ "$(grep -c "warning: words.png: " without.err)" = 1 ] || fail "$1: $(cat without.err)"
 }

@@ -44,16 +44,16 @@ mean blend50 0.948 0.967 0 0.96875 1 1
 mean mask20 0 0
 
 # Rare light: never converged while black, and found where glass is clear for shadow rays.
-shown bulb --eye 0,1.3,0 --bounces 4
+shown bulb --camera 0,1.3,0 --bounces 4
 grep -q ', 0 converged' bulb.out || mean bulb 0.36 0.44
-shown bulb --eye 0,1.3,0 --bounces 4 --clear-glass
+shown bulb --camera 0,1.3,0 --bounces 4 --clear-glass
 mean bulb 0.4 0.48
-for name in bare dim; do shown $name --eye 0,1.3,0 --bounces 4 --until converged; done
+for name in bare dim; do shown $name --camera 0,1.3,0 --bounces 4 --until converged; done
 mean bare 0.43 0.45
 mean dim 4.3e-6 4.5e-6
 
 # Mirrored instances, and tangents of the file.
-for name in mir_inst mir_flat nomir_inst nomir_flat tan0 tan1; do shown $name --sun 70,35,5,20 --eye 0,3,0; done
+for name in mir_inst mir_flat nomir_inst nomir_flat tan0 tan1; do shown $name --sun 70,35,5,20 --camera 0,3,0; done
 same mir_inst mir_flat 10
 same nomir_inst nomir_flat 10
 value=$("$programs/e2e_compare" tan0.exr tan1.exr)
@@ -61,28 +61,28 @@ echo "tan0 and tan1 differ by $value thousandths, expected 100 at least"
 [ "$value" -ge 100 ] || worst=1
 
 # What bytes mean.
-for name in png8 png16; do shown $name --eye 0,1,0; done
-for name in uv-ushort uv-float; do shown $name --eye 0,0,0; done
+for name in png8 png16; do shown $name --camera 0,1,0; done
+for name in uv-ushort uv-float; do shown $name --camera 0,0,0; done
 for name in png8 png16; do mean $name 0.2145 0.2175 0 0.95 1 1; done
 same uv-ushort uv-float 1
-shown nomir_flat --env "$cases/env8.png" --eye 0,3,0
+shown nomir_flat --env "$cases/env8.png" --camera 0,3,0
 mean nomir_flat 0.2145 0.2175 0 0 1 0.1
 
 # Files that others read.
-for name in percent-encoded-buffer root-is-also-child; do shown $name --eye 0,0,0 --env "$cases/const.hdr"; done
+for name in percent-encoded-buffer root-is-also-child; do shown $name --camera 0,0,0 --env "$cases/const.hdr"; done
 grep -qi 'root' root-is-also-child.out || { echo "root-is-also-child: no line says so: $(cat root-is-also-child.out)"; worst=1; }
 "$fovead" --scene "$cases/requires-unknown-extension.gltf" --until 1spp >unknown.out 2>&1 </dev/null || true
 grep -q XX_made_up unknown.out || { echo "XX_made_up is not named: $(cat unknown.out)"; worst=1; }
 
 # A mirror direction under the surface.
 for name in normal-n0_0_1 normal-n50_0_1 normal-n50_0.3_1; do
-    shown $name --env "$cases/const.hdr" --eye 0,0,0
+    shown $name --env "$cases/const.hdr" --camera 0,0,0
     mean $name 0.9 1.02 0.48 0.48 0.52 0.52
 done
 
 # Far from the origin.
-shown room-at-0 --env "$cases/const.hdr" --eye 0.3,1.4,0.2 --until 1024spp
-shown room-at-10km --env "$cases/const.hdr" --eye 10000.3,1.4,5000.2 --until 1024spp
+shown room-at-0 --env "$cases/const.hdr" --camera 0.3,1.4,0.2 --until 1024spp
+shown room-at-10km --env "$cases/const.hdr" --camera 10000.3,1.4,5000.2 --until 1024spp
 ratio room-at-10km room-at-0 0.998 1.002
 
 [ "$worst" = 0 ] || fail "not all come out as they must"

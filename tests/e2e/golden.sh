@@ -13,7 +13,7 @@ scenes=$data/scenes
 golden=$source/tests/golden
 [ -d "$scenes/gltf-tests" ] && [ -d "$scenes/cornell-box" ] || { echo "skipped: $scenes is not here"; exit 77; }
 
-# Scene, where the eye is (-Z is ahead), and the largest mean of FLIP: half as much again as noise alone made it, with
+# Scene, where the camera is (-Z is ahead), and the largest mean of FLIP: half as much again as noise alone made it, with
 # another seed than the golden image's.
 cases() {
     cat <<'END'
@@ -63,7 +63,7 @@ compare) paths=64 seed=2 ;;
 *) fail "neither make nor compare: $mode" ;;
 esac
 
-# take SCENE EYE: picture.png.
+# take SCENE CAMERA: picture.png.
 take() {
     file=$scenes/$1
     [ ! -d "$file" ] || file=$file/${1##*/}.gltf
@@ -71,9 +71,9 @@ take() {
     case $1 in
     gltf-tests/* | *-Glossy*) set -- "$@" --env "$data/envmaps/st_fagans_interior_1k.hdr" ;;
     esac
-    eye=$2
+    camera=$2
     shift 2
-    "$fovead" --scene "$file" --eye "$eye" --size 256x128 --until "${paths}spp" --seed $seed --save saved.exr --json \
+    "$fovead" --scene "$file" --camera "$camera" --size 256x128 --until "${paths}spp" --seed $seed --save saved.exr --json \
         "$@" >daemon.json 2>daemon.err </dev/null || fail "$file is not rendered: $(cat daemon.err)"
     [ "$(number not_finite daemon.json)" = 0 ] || fail "$file: $(cat daemon.json)"
     "$programs/e2e_golden" saved.exr picture.png
@@ -88,13 +88,13 @@ for file in "$scenes"/gltf-tests/*_* "$scenes"/gltf-tests/*.glb "$scenes"/cornel
 done
 worst=0
 found=
-while read -r scene eye limit; do
+while read -r scene camera limit; do
     name=${scene##*/}
     name=${name%.*}
     [ -z "$only" ] || [ "$only" = "$name" ] || continue
     found=1
     rm -f near.json
-    take "$scene" "$eye"
+    take "$scene" "$camera"
     if [ "$mode" = make ]; then
         mv picture.png "$golden/$name.png"
         continue

@@ -173,7 +173,7 @@ static int wrong(int fd, const char *how)
     Fovea__View view = FOVEA__VIEW__INIT;
     Fovea__Recentre recentre = FOVEA__RECENTRE__INIT;
     Fovea__Move move = FOVEA__MOVE__INIT;
-    float nothing[4] = {0, 0, 0, 0}, eye[3] = {0, 1.6f, !strcmp(how, "nan") ? NAN : 3e38f};
+    float nothing[4] = {0, 0, 0, 0}, camera[3] = {0, 1.6f, !strcmp(how, "nan") ? NAN : 3e38f};
 
     if (!strcmp(how, "version")) hello(fd, FOVEA__ENCODING__ENCODING_NONE, 99);
     if (!strcmp(how, "encoding")) hello(fd, (Fovea__Encoding)77, PRO_VERSION);
@@ -193,8 +193,8 @@ static int wrong(int fd, const char *how)
     recentre.n_direction = !strcmp(how, "recentre") ? 4 : 3;
     if (!strcmp(how, "recentre") || !strcmp(how, "nowhere"))
         say(fd, FOVEA__MESSAGE__BODY_RECENTRE, &recentre);
-    move.eye = eye;
-    move.n_eye = !strcmp(how, "flat") ? 2 : 3;
+    move.camera = camera;
+    move.n_camera = !strcmp(how, "flat") ? 2 : 3;
     move.relative = !strcmp(how, "far");
     if (!strcmp(how, "nan") || !strcmp(how, "far") || !strcmp(how, "flat"))
         say(fd, FOVEA__MESSAGE__BODY_MOVE, &move);

@@ -1,5 +1,5 @@
 #!/bin/sh
-# The eye moves and the scene is edited while it is watched: each begins a new generation of the picture, and nothing of
+# The camera moves and the scene is edited while it is watched: each begins a new generation of the picture, and nothing of
 # the old one is left in it.
 . "$(dirname "$0")/common.sh"
 make_room
@@ -50,12 +50,12 @@ echo "first tile of the new generation after $(sed -n 's/.*"first_tile_ms": //p'
 developed moved.exr
 different middle.exr moved.exr
 "$foveactl" move --by -1.2,-0.5,-1 >move.txt
-grep -q '^generation 3, eye 0,0,0 m; first tile after [0-9.]* ms$' move.txt || fail "$(cat move.txt)"
+grep -q '^generation 3, camera 0,0,0 m; first tile after [0-9.]* ms$' move.txt || fail "$(cat move.txt)"
 developed back.exr
 alike middle.exr back.exr
 
-# A picture that is being gathered when the eye moves is of the new place alone, and whole. Where the machine is so slow
-# that all was gathered before the eye had moved, it is tried again with more time.
+# A picture that is being gathered when the camera moves is of the new place alone, and whole. Where the machine is so slow
+# that all was gathered before the camera had moved, it is tried again with more time.
 settle=2
 gathers_while_it_moves() {
     settle=$((settle * 2))
@@ -69,7 +69,7 @@ gathers_while_it_moves() {
     wait "$gatherer" || fail "the snapshot failed"
     $in_time
 }
-await 'a picture that is gathered while the eye moves' gathers_while_it_moves
+await 'a picture that is gathered while the camera moves' gathers_while_it_moves
 "$programs/e2e_picture" during.exr 256 128 >/dev/null
 different middle.exr during.exr
 
@@ -88,7 +88,7 @@ stop
 [ "$(wc -l <daemon.err)" = 0 ] || fail "the daemon complains: $(cat daemon.err)"
 
 # A daemon that was started there has the same picture.
-start --scene room.obj $mode --eye 1.2,0.5,1
+start --scene room.obj $mode --camera 1.2,0.5,1
 developed fresh.exr
 alike fresh.exr moved.exr
 stop
@@ -102,7 +102,7 @@ mv new.mtl room.mtl
 await_generation 3
 developed green.exr
 different white.exr green.exr
-"$foveactl" stats | grep -q '^eye *0.5,0,0.5 m' || fail "an edit moves the eye: $("$foveactl" stats)"
+"$foveactl" stats | grep -q '^camera *0.5,0,0.5 m' || fail "an edit moves the camera: $("$foveactl" stats)"
 
 # Written in place, where half of it may be read first; and with a picture that only the .mtl names, as Windows would, in a
 # folder of its own.

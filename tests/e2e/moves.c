@@ -1,4 +1,4 @@
-/* A client that moves the eye faster than it can be followed: every move is answered, generations only go up,
+/* A client that moves the camera faster than it can be followed: every move is answered, generations only go up,
  * the newest move wins, and its generation is the one that is rendered in the end. */
 #include <math.h>
 #include <stdio.h>
@@ -20,9 +20,9 @@ static Fovea__Message *next(struct pro_client *client, Fovea__Message__BodyCase 
     return NULL;
 }
 
-static bool is_at(const float *eye, size_t count, float x)
+static bool is_at(const float *camera, size_t count, float x)
 {
-    return count == 3 && fabsf(eye[0] - x) < 1e-3f && eye[1] == 0.5f && eye[2] == -0.5f;
+    return count == 3 && fabsf(camera[0] - x) < 1e-3f && camera[1] == 0.5f && camera[2] == -0.5f;
 }
 
 int main(int argc, char **argv)
@@ -33,7 +33,7 @@ int main(int argc, char **argv)
     struct pro_address address;
     struct pro_client *client;
     char error[PRO_ERROR_SIZE];
-    float eye[3] = {-1, 0.5f, -0.5f};
+    float camera[3] = {-1, 0.5f, -0.5f};
     uint64_t generation = 0, first = 0;
     bool good = true;
 
@@ -43,21 +43,21 @@ int main(int argc, char **argv)
     if (!client) return fprintf(stderr, "%s\n", error), 1;
     message.body_case = FOVEA__MESSAGE__BODY_MOVE;
     message.move = &move;
-    move.n_eye = 3;
-    move.eye = eye;
+    move.n_camera = 3;
+    move.camera = camera;
     /* To a place, and from there on in steps to the right. */
     for (int i = 0; i < MOVES && good; i++) {
         move.request = (uint32_t)i + 1;
         good = pro_send(client, &message, error);
         move.relative = true;
-        eye[0] = 0.05f;
-        eye[1] = eye[2] = 0;
+        camera[0] = 0.05f;
+        camera[1] = camera[2] = 0;
     }
     for (int i = 0; i < MOVES && good; i++) {
         if (!(answer = next(client, FOVEA__MESSAGE__BODY_DONE))) return 1;
         good = answer->done->ok && answer->done->request == (uint32_t)i + 1 &&
                answer->done->generation >= generation &&
-               is_at(answer->done->eye, answer->done->n_eye, -1 + 0.05f * (float)i);
+               is_at(answer->done->camera, answer->done->n_camera, -1 + 0.05f * (float)i);
         if (!good) fprintf(stderr, "move %d: %s\n", i + 1, answer->done->text);
         generation = answer->done->generation;
         if (!first) first = generation;
@@ -67,7 +67,7 @@ int main(int argc, char **argv)
         if (!(answer = next(client, FOVEA__MESSAGE__BODY_STATS))) return 1;
         there = answer->stats->generation == generation;
         good = answer->stats->generation <= generation &&
-               (!there || is_at(answer->stats->eye, answer->stats->n_eye, -1 + 0.05f * (MOVES - 1)));
+               (!there || is_at(answer->stats->camera, answer->stats->n_camera, -1 + 0.05f * (MOVES - 1)));
         if (!good)
             fprintf(stderr, "the picture is of generation %llu\n",
                     (unsigned long long)answer->stats->generation);

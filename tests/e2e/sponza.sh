@@ -7,7 +7,7 @@ log=$data/gaze/htc-vive-pro-eye/TESTNA01_360VR_Fist3.csv
 [ -f "$log" ] || { echo "skipped: $log is not here"; exit 77; }
 
 "$fovead" --scene "$data/scenes/dabrovic-sponza/dabrovic-sponza.gltf" --env "$data/envmaps/kiara_1_dawn_1k.hdr" \
-    --sun 60,60,5,0.53 --eye 0,2,0 --gaze "replay:$log" --listen "unix:$place/fovead.sock" --json \
+    --sun 60,60,5,0.53 --camera 0,2,0 --gaze "replay:$log" --listen "unix:$place/fovead.sock" --json \
     >daemon.json 2>daemon.err &
 daemon=$!
 "$foveactl" --wait watch --until-finished >watch.txt

@@ -11,9 +11,9 @@
 
 #include "../../daemon/edits.c"
 
-bool dmn_painter_moved(struct dmn_painter *painter, double out_eye[3])
+bool dmn_painter_moved(struct dmn_painter *painter, double out_camera[3])
 {
-    (void)painter, (void)out_eye;
+    (void)painter, (void)out_camera;
     abort();
 }
 

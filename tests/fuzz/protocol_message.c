@@ -67,8 +67,8 @@ static size_t valid_stream(uint8_t *out, size_t room)
     stats.samples = stats.rays = UINT64_MAX;
     stats.scene = stats.refused = "fuzz";
     done.text = "done";
-    move.n_eye = done.n_eye = stats.n_eye = 3;
-    move.eye = done.eye = stats.eye = numbers;
+    move.n_camera = done.n_camera = stats.n_camera = 3;
+    move.camera = done.camera = stats.camera = numbers;
     for (int i = 0; i < TILE * TILE * 3; i++) rgb[i] = (float)(i % 10) / 10;
     struct {
         Fovea__Message__BodyCase kind;

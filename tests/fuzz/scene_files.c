@@ -127,9 +127,9 @@ static int times(const char *text, const char *word)
 static pid_t run(const struct set *set, const char *const *more)
 {
     static char scene[512], env[512], log[2][512], mib[16], seconds[16];
-    const char *arguments[40] = {fovead,  "--scene",       scene,   "--size",    "128",
-                                 "--sun", "0,45,5,1",      "--eye", "0,3,0",     "--reader-memory",
-                                 mib,     "--reader-time", seconds, "--threads", "1"};
+    const char *arguments[40] = {fovead,  "--scene",       scene,      "--size",    "128",
+                                 "--sun", "0,45,5,1",      "--camera", "0,3,0",     "--reader-memory",
+                                 mib,     "--reader-time", seconds,    "--threads", "1"};
     int n = 15;
     posix_spawn_file_actions_t actions;
     pid_t pid;

@@ -79,6 +79,7 @@ static const struct dmn_option ROWS[] = {
      INTO(weight),
      .number = {.low = 0, .high = FLT_MAX, .open = true}},
     {.name = "place",
+     .former = "spot",
      .argument = "X,Y,Z",
      .help = "floats",
      INTO(place[0]),
@@ -184,6 +185,11 @@ static void taken(void **state)
     /* Short for one option. */
     assert_int_equal(parse("--na n --cou=5 --q", &v), DMN_OPTIONS_TAKEN);
     assert_true(v.count == 5 && v.quiet && !strcmp(v.name, "n"));
+
+    /* An older name fills in the same field, and counts as given. */
+    assert_int_equal(parse("--spot 1,2,3", &v), DMN_OPTIONS_TAKEN);
+    assert_true(v.place[0] == 1 && v.place[1] == 2 && v.place[2] == 3);
+    assert_true(SET.rows[__builtin_ctzll(given.rows)].former && !(given.rows & (given.rows - 1)));
 }
 
 static const struct {
@@ -193,7 +199,7 @@ static const struct {
     {"--nonsense=3", "unknown option --nonsense=3"},
     {"-n", "unknown option -n"},
     {"-xyz", "unknown option -x"},
-    {"--s 1", "--s is short for more than one option: --suffix, --soft, --small"},
+    {"--s 1", "--s is short for more than one option: --suffix, --soft, --small, --spot"},
     {"--l=1", "--l is short for more than one option: --loud, --large, --letter"},
     {"--name", "--name needs a value"},
     {"--nam", "--name needs a value"},
@@ -219,6 +225,8 @@ static const struct {
     {"--place 1,2", "--place wants X,Y,Z from -10 to 10 m, not '1,2'"},
     {"--place 1,2,3,4", "--place wants X,Y,Z from -10 to 10 m, not '1,2,3,4'"},
     {"--place 1,,3", "--place wants X,Y,Z from -10 to 10 m, not '1,,3'"},
+    {"--spot", "--place needs a value"},
+    {"--spot 1,2,11", "--place wants X,Y,Z from -10 to 10 m, not '1,2,11'"},
     {"--place 1,2,11", "--place wants X,Y,Z from -10 to 10 m, not '1,2,11'"},
     {"--pace -0.5", "--pace wants seconds of 0 or more, not '-0.5'"},
     {"--pace 1e999", "--pace wants seconds of 0 or more, not '1e999'"},
@@ -294,7 +302,7 @@ static void answered(void **state)
               "  --large N               64 bits\n"
               "  --turn DEG              a float\n"
               "  --weight W              a float\n"
-              "  --place X,Y,Z           floats\n"
+              "  --place X,Y,Z           floats; formerly --spot\n"
               "  --pace F                a double\n"
               "  --letter L              its own function\n"
               "    a                     the first letter\n"

@@ -100,7 +100,7 @@ static void everything_said(void **state)
     struct dmn_options o;
 
     (void)state;
-    run("--scene a.obj --env e.hdr --sun -30,45.5,3,0.53 --eye -1,2,3.5 --gaze replay:g --speed 2 --loop "
+    run("--scene a.obj --env e.hdr --sun -30,45.5,3,0.53 --camera -1,2,3.5 --gaze replay:g --speed 2 --loop "
         "--mode vp "
         "--fov 90,80 --size 1024x512 --threads 3 --seed 18446744073709551615 --bounces 7 --clamp 2.5 "
         "--clear-glass --listen unix:/a/b "
@@ -110,7 +110,7 @@ static void everything_said(void **state)
     assert_string_equal(o.scene.env_path, "e.hdr");
     assert_true(o.scene.has_sun && o.scene.sun[0] == -30 && o.scene.sun[1] == 45.5f &&
                 o.scene.sun[3] == 0.53f);
-    assert_true(o.scene.has_eye && o.scene.eye[0] == -1 && o.scene.eye[2] == 3.5f);
+    assert_true(o.scene.has_camera && o.scene.camera[0] == -1 && o.scene.camera[2] == 3.5f);
     assert_true(o.speed == 2 && o.loop && o.json);
     assert_true(fabsf(o.fov[0] - (float)M_PI / 2) < 1e-6f);
     assert_int_equal(o.render.width, 1024);
@@ -121,6 +121,17 @@ static void everything_said(void **state)
     assert_true(o.scene.clear_glass);
     assert_int_equal(o.listens, 2);
     assert_int_equal(o.listen[1].port, 9);
+    finish(&o);
+}
+
+static void the_former_name_of_camera(void **state)
+{
+    struct dmn_options o;
+
+    (void)state;
+    run("--scene a.obj --camera 4,5,6 --eye -1,2,3.5", &o);
+    assert_true(o.scene.has_camera && o.scene.camera[0] == -1 && o.scene.camera[1] == 2 &&
+                o.scene.camera[2] == 3.5);
     finish(&o);
 }
 
@@ -189,11 +200,11 @@ static void refused_with_one_line(void **state)
         "--scene a --sun 1,2,3,nan",
         "--scene a --sun 1,95,3,0.5",
         "--scene a --sun 1,2,1e300,0.5",
-        "--scene a --eye 1,2",
-        "--scene a --eye 1,2,3,4",
-        "--scene a --eye 1,,3",
-        "--scene a --eye 1,2,1e8",
-        "--scene a --eye 1e39,2,3",
+        "--scene a --camera 1,2",
+        "--scene a --camera 1,2,3,4",
+        "--scene a --camera 1,,3",
+        "--scene a --camera 1,2,1e8",
+        "--scene a --camera 1e39,2,3",
         "--scene a --watch=1",
         "--scene a --watch --clock virtual --gaze replay:x",
         "--scene a --threads 0",
@@ -283,15 +294,15 @@ static void places(void **state)
     static const double SOMEWHERE[][3] = {{0, 0, 0}, {-0., 1e-30, 1.6}, {1e7, -1e7, 1e7}};
 
     (void)state;
-    for (int i = 0; i < 3; i++) assert_true(dmn_eye_is_somewhere(SOMEWHERE[i]));
+    for (int i = 0; i < 3; i++) assert_true(dmn_camera_is_in_range(SOMEWHERE[i]));
     for (int i = 0; i < 3; i++) {
         static const double NOWHERE[] = {NAN, INFINITY, -INFINITY, 1.1e7, -1.1e7, 3e38};
 
         for (int k = 0; k < 6; k++) {
-            double eye[3] = {1, 2, 3};
+            double camera[3] = {1, 2, 3};
 
-            eye[i] = NOWHERE[k];
-            assert_false(dmn_eye_is_somewhere(eye));
+            camera[i] = NOWHERE[k];
+            assert_false(dmn_camera_is_in_range(camera));
         }
     }
 }
@@ -345,6 +356,7 @@ int main(void)
         cmocka_unit_test(defaults),
         cmocka_unit_test(a_final_picture),
         cmocka_unit_test(everything_said),
+        cmocka_unit_test(the_former_name_of_camera),
         cmocka_unit_test(gaze),
         cmocka_unit_test(given_again),
         cmocka_unit_test(refused_with_one_line),

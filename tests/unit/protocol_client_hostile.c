@@ -286,7 +286,7 @@ static void script_out_of_place(struct server *server)
     Fovea__Ping ping = FOVEA__PING__INIT;
     Fovea__Stats stats = FOVEA__STATS__INIT;
     Fovea__Done done = FOVEA__DONE__INIT;
-    float numbers[] = {0, 0, -1, 0}, eye[] = {0, 1.6f, 0, 0};
+    float numbers[] = {0, 0, -1, 0}, camera[] = {0, 1.6f, 0, 0};
     server_until(server, FOVEA__MESSAGE__BODY_HELLO);
     server_welcome(server);
     gaze.direction = gaze.head = gaze.aim = numbers;
@@ -318,14 +318,14 @@ static void script_out_of_place(struct server *server)
         gaze.n_aim = 2;
         break;
     }
-    stats.eye = done.eye = eye;
-    stats.n_eye = done.n_eye = 3;
+    stats.camera = done.camera = camera;
+    stats.n_camera = done.n_camera = 3;
     stats.scene = stats.refused = "a\nb";
     server_send(server, FOVEA__MESSAGE__BODY_STATS, &stats); /* these are good, but for what cleaning mends */
     server_send(server, FOVEA__MESSAGE__BODY_DONE, &done);
-    if (server->variant == 8) eye[2] = INFINITY;
-    if (server->variant == 9) stats.n_eye = 2;
-    if (server->variant == 10) done.n_eye = 4;
+    if (server->variant == 8) camera[2] = INFINITY;
+    if (server->variant == 9) stats.n_camera = 2;
+    if (server->variant == 10) done.n_camera = 4;
     if (server->variant >= 8) server_send(server, FOVEA__MESSAGE__BODY_STATS, &stats);
     if (server->variant >= 8) server_send(server, FOVEA__MESSAGE__BODY_DONE, &done);
     server_send(server, FOVEA__MESSAGE__BODY_GAZE, &gaze);
@@ -337,7 +337,7 @@ static void out_of_place(void **state)
     (void)state;
     for (int i = 0; i <= 3; i++) assert_breaks(script_out_of_place, i, "a gaze of no direction");
     assert_breaks(script_out_of_place, 7, "a gaze of no direction");
-    for (int i = 8; i <= 10; i++) assert_breaks(script_out_of_place, i, "an eye that is nowhere");
+    for (int i = 8; i <= 10; i++) assert_breaks(script_out_of_place, i, "a camera that is nowhere");
     assert_breaks(script_out_of_place, 4, "a message of kind 16 out of place");
     assert_breaks(script_out_of_place, 5, "a message of kind 4 out of place");
     assert_breaks(script_out_of_place, 6, "a message of kind 7 out of place");

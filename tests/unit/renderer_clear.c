@@ -2,24 +2,24 @@
  * the picture is the same as without; where it does not, the bias is printed and held to a bar. */
 #include "renderer_parts.h"
 
-static struct rnd_scene *load(const char *path, const char *env, const float *sun, const float *eye,
+static struct rnd_scene *load(const char *path, const char *env, const float *sun, const float *camera,
                               bool clear)
 {
     struct rnd_scene_options options = {.image_program = files_image_program(),
                                         .path = path,
                                         .env_path = env,
                                         .has_sun = sun,
-                                        .has_eye = true,
+                                        .has_camera = true,
                                         .clear_glass = clear};
     char error[RND_ERROR_SIZE];
     if (sun) memcpy(options.sun, sun, sizeof options.sun);
-    for (int c = 0; c < 3; c++) options.eye[c] = (double)eye[c];
+    for (int c = 0; c < 3; c++) options.camera[c] = (double)camera[c];
     struct rnd_scene *scene = rnd_scene_load(&options, error);
     if (!scene) fail_msg("%s", error);
     return scene;
 }
 
-/* A floor of albedo 1/2 under a slab of MTL glass, 0.2 m thick; eye between. */
+/* A floor of albedo 1/2 under a slab of MTL glass, 0.2 m thick; camera between. */
 static const char *slab(const char *glass)
 {
     char text[2000] = "mtllib slab.mtl\nusemtl floor\nv -900 0 -900\nv 900 0 -900\nv 900 0 900\n"
@@ -33,17 +33,17 @@ static const char *slab(const char *glass)
 }
 
 /* Glass of index 1 bends nothing and reflects nothing: what it lets through is its tint, of sky and sun, on
- * the floor and for an eye that looks up. */
+ * the floor and for a camera that looks up. */
 static void index_of_one(void **state)
 {
     (void)state;
-    static const float sun[4] = {20, 50, 3, 4}, eye[3] = {0, 0.5f, 0};
+    static const float sun[4] = {20, 50, 3, 4}, camera[3] = {0, 0.5f, 0};
     static const double tint[3] = {0.5, 0.7, 0.9};
     const struct rnd_aim down = files_aim(0, -1, 0), up = files_aim(0, 1, 0);
     const double irradiance = 0.75 * M_PI + 3 * sin(50 * M_PI / 180);
     const char *path = slab("Ni 1\nTf .5 .7 .9\n"), *env = files_env("sky.exr", 0.75f);
     for (int clear = 0; clear < 2; clear++) {
-        struct rnd_scene *scene = load(path, env, sun, eye, clear);
+        struct rnd_scene *scene = load(path, env, sun, camera, clear);
         float floor[3], sky[3];
         files_radiance(scene, "fv", 0, 400000, &down, 30, floor);
         files_radiance(scene, "fv", 0, 200000, &up, 10, sky);
@@ -57,12 +57,12 @@ static void index_of_one(void **state)
 }
 
 /* Radiance of the floor around the nadir, with clear glass and without. */
-static void both(const char *path, const char *env, const float *sun, const float *eye, uint32_t paths,
+static void both(const char *path, const char *env, const float *sun, const float *camera, uint32_t paths,
                  double out[2])
 {
     const struct rnd_aim down = files_aim(0, -1, 0);
     for (int clear = 0; clear < 2; clear++) {
-        struct rnd_scene *scene = load(path, env, sun, eye, clear);
+        struct rnd_scene *scene = load(path, env, sun, camera, clear);
         out[clear] = files_radiance(scene, "fv", 0, paths, &down, 30, NULL);
         rnd_scene_destroy(scene);
     }
@@ -72,13 +72,13 @@ static void both(const char *path, const char *env, const float *sun, const floa
 static void slab_of_glass(void **state)
 {
     (void)state;
-    static const float suns[2][4] = {{20, 50, 3, 40}, {20, 25, 3, 40}}, eye[3] = {0, 0.5f, 0};
+    static const float suns[2][4] = {{20, 50, 3, 40}, {20, 25, 3, 40}}, camera[3] = {0, 0.5f, 0};
     double light[2];
     const char *path = slab("Ni 1.5\n");
-    both(path, files_env("sky.exr", 0.75f), NULL, eye, 400000, light);
+    both(path, files_env("sky.exr", 0.75f), NULL, camera, 400000, light);
     assert_within("sky through a slab", light[1], light[0], 0.005);
     for (int k = 0; k < 2; k++) {
-        both(path, NULL, suns[k], eye, 600000, light);
+        both(path, NULL, suns[k], camera, 600000, light);
         assert_within(k ? "low sun through a slab" : "sun through a slab", light[1], light[0], 0.03);
     }
 }
@@ -109,7 +109,7 @@ static void rough_slab(void **state)
     static const struct {
         double roughness, sun, sky; /* and how much either may be off */
     } cases[] = {{0.05, 0.02, 0.02}, {0.25, 0.05, 0.1}, {0.4, 0, 0}};
-    static const float sun[4] = {20, 50, 3, 40}, eye[3] = {0, 0.5f, 0};
+    static const float sun[4] = {20, 50, 3, 40}, camera[3] = {0, 0.5f, 0};
     const char *env = files_env("sky.exr", 0.75f);
     for (int thin = 0; thin < 2; thin++)
         for (int k = 0; k < 3; k++) {
@@ -120,7 +120,7 @@ static void rough_slab(void **state)
                 char what[100];
                 snprintf(what, sizeof what, "%s through %s glass of roughness %g", sky ? "sky" : "sun",
                          thin ? "thin" : "thick", cases[k].roughness);
-                both(path, sky ? env : NULL, sky ? NULL : sun, eye, most > 0 ? 400000 : 20000, light);
+                both(path, sky ? env : NULL, sky ? NULL : sun, camera, most > 0 ? 400000 : 20000, light);
                 if (most > 0)
                     assert_within(what, light[1], light[0], most);
                 else
@@ -157,7 +157,7 @@ static void bulb(void **state)
     (void)state;
     static char text[200000];
     static const char *const glass[] = {"Ni 1.5\nTf 1 1 1\n", "Ni 1.5\nTf .6 .8 1\n"};
-    const float eye[3] = {0.5f, 0.3f, 0.5f};
+    const float camera[3] = {0.5f, 0.3f, 0.5f};
     for (int k = 0; k < 2; k++) {
         char materials[400];
         double light[2];
@@ -169,7 +169,7 @@ static void bulb(void **state)
         files_box(text, sizeof text, "wall", (double[]){-2, 0, -2}, (double[]){2, 2.5, 2});
         sphere(text, sizeof text, "glow", 2, 0.08);
         sphere(text, sizeof text, "glass", 2, 0.16);
-        both(files_text("bulb.obj", text), NULL, NULL, eye, 400000, light);
+        both(files_text("bulb.obj", text), NULL, NULL, camera, 400000, light);
         assert_within(k ? "room lit by a tinted bulb" : "room lit by a bulb", light[1], light[0], 0.015);
     }
 }

@@ -36,7 +36,7 @@ static void coverage(void **state)
     assert_seen(BLACK("BLEND", "1", ""), 0, 0, 1e-6);
 }
 
-/* A floor that gets its light through a wide sheet above it, by shadow rays; the eye is in between. */
+/* A floor that gets its light through a wide sheet above it, by shadow rays; the camera is in between. */
 static void coverage_of_shadows(void **state)
 {
     (void)state;
@@ -50,7 +50,7 @@ static void coverage_of_shadows(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* A grey sheet under a white sky that has one side, on a floor of the same: an eye below the sheet sees the
+/* A grey sheet under a white sky that has one side, on a floor of the same: a camera below the sheet sees the
  * sky through its back, and a floor that the sheet shades; what is mirrored shows its other side. */
 static void backs(void **state)
 {

@@ -267,16 +267,16 @@ static inline const char *files_room(const char *name)
 /* --- scenes and what they show --- */
 
 static inline struct rnd_scene *files_load(const char *path, const char *env, const float *sun,
-                                           const float *eye)
+                                           const float *camera)
 {
     struct rnd_scene_options options = {.path = path,
                                         .image_program = files_image_program(),
                                         .env_path = env,
                                         .has_sun = sun,
-                                        .has_eye = eye};
+                                        .has_camera = camera};
     char error[RND_ERROR_SIZE];
     if (sun) memcpy(options.sun, sun, sizeof options.sun);
-    for (int k = 0; eye && k < 3; k++) options.eye[k] = (double)eye[k];
+    for (int k = 0; camera && k < 3; k++) options.camera[k] = (double)camera[k];
     struct rnd_scene *scene = rnd_scene_load(&options, error);
     if (!scene) fail_msg("%s", error);
     return scene;

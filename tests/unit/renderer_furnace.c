@@ -88,7 +88,7 @@ static void sun_on_plane(void **state)
     }
 }
 
-/* The eye sees the disc itself with the radiance that gives the irradiance: E / (pi sin^2 r); and sees
+/* The camera sees the disc itself with the radiance that gives the irradiance: E / (pi sin^2 r); and sees
  * nothing beside it. */
 static void sun_seen(void **state)
 {
@@ -168,7 +168,7 @@ static void dark_room_far_away(void **state)
         print_message("a dark room %g m away: %g\n", x, inside);
         assert_true(inside == 0.0);
         assert_float_equal(rnd_scene_info(scene)->bounds[0][0], x - 2.125, 0.04);
-        assert_float_equal(rnd_scene_info(scene)->eye[2], z + 0.25, 0.04);
+        assert_float_equal(rnd_scene_info(scene)->camera[2], z + 0.25, 0.04);
         rnd_scene_destroy(scene);
     }
 }
@@ -193,7 +193,7 @@ static void far_nodes(void **state)
             files_load(files_gltf("far.gltf", 1, nodes, FILES_GREY, light), NULL, NULL, NULL);
         assert_within("floor under a lamp of a far node",
                       files_radiance(scene, "fv", 1, 50000, &down, 10, NULL), 0.5 / M_PI * 8 / 4, 0.005);
-        assert_float_equal(rnd_scene_info(scene)->eye[0], i ? 50000.6 : 0.3, 0.01);
+        assert_float_equal(rnd_scene_info(scene)->camera[0], i ? 50000.6 : 0.3, 0.01);
         assert_float_equal(rnd_scene_info(scene)->bounds[1][2], i ? 1000001.2 : 1, 0.1);
         rnd_scene_destroy(scene);
     }
@@ -321,8 +321,8 @@ static void turned_environment(void **state)
                                                   .path = path,
                                                   .env_path = env,
                                                   .env_azimuth = k ? 90.0f : 0.0f,
-                                                  .has_eye = true,
-                                                  .eye = {0, 1, 0}};
+                                                  .has_camera = true,
+                                                  .camera = {0, 1, 0}};
         struct rnd_scene *scene = rnd_scene_load(&options, error);
         if (!scene) fail_msg("%s", error);
         const struct rnd_aim there = k ? files_aim(1, 0.3, 0) : files_aim(0, 0.3, -1),

@@ -132,8 +132,8 @@ static void images_absent(void **state)
                                                   .path = files_gltf("inside.gltf", 10, node, picture, more),
                                                   .env_path = files_env("env.exr", 1),
                                                   .textures_later = i % 2,
-                                                  .has_eye = true,
-                                                  .eye = {0, 1, 0}};
+                                                  .has_camera = true,
+                                                  .camera = {0, 1, 0}};
         struct rnd_scene *scene = rnd_scene_load(&options, error);
         if (!scene) fail_msg("%s", error);
         const char *lines = rnd_scene_info(scene)->warnings, *late;
@@ -310,7 +310,7 @@ static void units(void **state)
     }
 }
 
-static void eye_and_bounds(void **state)
+static void camera_and_bounds(void **state)
 {
     (void)state;
     const char *nodes = "{\"translation\":[1,2,3],\"scale\":[2,2,2],\"children\":[1,2]},{\"mesh\":0},"
@@ -320,9 +320,9 @@ static void eye_and_bounds(void **state)
     const char *path = files_gltf("camera.gltf", 4, nodes, shining, camera);
     struct rnd_scene *scene = files_load(path, NULL, NULL, NULL);
     const struct rnd_scene_info *info = rnd_scene_info(scene);
-    static const float eye[3] = {2, 0, 3.5f}, low[3] = {-7, 2, -5}, high[3] = {9, 2, 11};
+    static const float position[3] = {2, 0, 3.5f}, low[3] = {-7, 2, -5}, high[3] = {9, 2, 11};
     for (int c = 0; c < 3; c++) {
-        assert_float_equal(info->eye[c], eye[c], 1e-5);
+        assert_float_equal(info->camera[c], position[c], 1e-5);
         assert_float_equal(info->bounds[0][c], low[c], 1e-5);
         assert_float_equal(info->bounds[1][c], high[c], 1e-5);
     }
@@ -334,11 +334,11 @@ static void eye_and_bounds(void **state)
     rnd_scene_destroy(scene);
 
     scene = files_load(path, NULL, NULL, (float[]){5, 6, 7}); /* asked for: the camera gives way */
-    assert_float_equal(rnd_scene_info(scene)->eye[1], 6, 0);
+    assert_float_equal(rnd_scene_info(scene)->camera[1], 6, 0);
     rnd_scene_destroy(scene);
     scene = files_load(files_gltf("middle.gltf", 4, "{\"mesh\":0,\"translation\":[1,2,3]}", shining, ""),
                        files_env("env.exr", 1), (float[]){0, 45, 1, 0}, NULL);
-    for (int c = 0; c < 3; c++) assert_float_equal(rnd_scene_info(scene)->eye[c], c + 1, 1e-5);
+    for (int c = 0; c < 3; c++) assert_float_equal(rnd_scene_info(scene)->camera[c], c + 1, 1e-5);
     assert_true(rnd_scene_info(scene)->has_env && rnd_scene_info(scene)->has_sun);
     rnd_scene_destroy(scene);
 }
@@ -479,10 +479,12 @@ static void blender_tests(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(not_there),         cmocka_unit_test(broken),      cmocka_unit_test(parts_absent),
-        cmocka_unit_test(images_absent),     cmocka_unit_test(not_finite),  cmocka_unit_test(hostile),
-        cmocka_unit_test(emissive_strength), cmocka_unit_test(transforms),  cmocka_unit_test(eye_and_bounds),
-        cmocka_unit_test(textures),          cmocka_unit_test(unsupported), cmocka_unit_test(units),
+        cmocka_unit_test(not_there),         cmocka_unit_test(broken),
+        cmocka_unit_test(parts_absent),      cmocka_unit_test(images_absent),
+        cmocka_unit_test(not_finite),        cmocka_unit_test(hostile),
+        cmocka_unit_test(emissive_strength), cmocka_unit_test(transforms),
+        cmocka_unit_test(camera_and_bounds), cmocka_unit_test(textures),
+        cmocka_unit_test(unsupported),       cmocka_unit_test(units),
         cmocka_unit_test(blender_tests),
     };
     return cmocka_run_group_tests_name("renderer_import", tests, files_setup, files_teardown);

@@ -237,15 +237,16 @@ static void window(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* Brightness of what lies below, and how often the first of the lamps is drawn, from that eye. */
-static double below(const char *path, const float eye[3], int group, float *out_probability)
+/* Brightness of what lies below, and how often the first of the lamps is drawn, from that camera. */
+static double below(const char *path, const float camera[3], int group, float *out_probability)
 {
     struct rnd_light_choice choice[2] = {0};
-    struct rnd_scene *scene = files_load(path, NULL, NULL, eye);
+    struct rnd_scene *scene = files_load(path, NULL, NULL, camera);
     for (int threads = 1; threads <= 2; threads++) {
         struct rnd_pool *pool = rnd_pool_create(threads);
         assert_non_null(pool);
-        rnd_survey_lights(scene, &(struct rnd_camera){{eye[0], eye[1], eye[2]}}, pool, &choice[threads - 1]);
+        rnd_survey_lights(scene, &(struct rnd_camera){{camera[0], camera[1], camera[2]}}, pool,
+                          &choice[threads - 1]);
         rnd_pool_destroy(pool);
     }
     const struct rnd_alias *alias = choice[0].lamps[group];
@@ -270,7 +271,7 @@ static void house(void **state)
     (void)state;
     static const char *const name[] = {"room.obj", "house.obj"};
     static char text[8000];
-    const float eye[3] = {0, 0, 0};
+    const float camera[3] = {0, 0, 0};
     double radiance[2];
     float probability[2];
     files_text("house.mtl", "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl lamp\nKd 0.2 0.2 0.2\nKe 3 3 3\n");
@@ -281,7 +282,7 @@ static void house(void **state)
                                  3 * x - 0.3, 3 * x + 0.3, 3.0 * x);
         for (int x = 0; x < (k ? 12 : 1); x++)
             files_box(text, sizeof text, "wall", (double[]){3 * x - 1, -1, -1}, (double[]){3 * x + 1, 1, 1});
-        radiance[k] = below(files_text(name[k], text), eye, RND_LIGHT_AREA, &probability[k]);
+        radiance[k] = below(files_text(name[k], text), camera, RND_LIGHT_AREA, &probability[k]);
     }
     print_message("its lamp %.3f of all in the house; floor %.5f alone, %.5f there\n", probability[1],
                   radiance[0], radiance[1]);
@@ -294,7 +295,7 @@ static void house(void **state)
 static void cellar(void **state)
 {
     (void)state;
-    const float eye[3] = {0, 0.5f, 0};
+    const float camera[3] = {0, 0.5f, 0};
     double radiance[2];
     float probability[2];
     for (int k = 0; k < 2; k++) {
@@ -308,7 +309,7 @@ static void cellar(void **state)
                                       "{\"pbrMetallicRoughness\":{\"metallicFactor\":0},\"extensions\":{"
                                       "\"KHR_materials_specular\":{\"specularFactor\":0}}}",
                                       lights);
-        radiance[k] = below(path, eye, RND_LIGHT_PUNCTUAL, &probability[k]);
+        radiance[k] = below(path, camera, RND_LIGHT_PUNCTUAL, &probability[k]);
     }
     print_message("its light %.3f of all; floor %.5f alone, %.5f over the cellar\n", probability[1],
                   radiance[0], radiance[1]);

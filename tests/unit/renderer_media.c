@@ -23,7 +23,7 @@ struct box {
 enum { MOST_BOXES = 6 };
 
 /* A scene of boxes, each with a material of its own. */
-static struct rnd_scene *boxes(const struct box *box, int count, const char *env, const float eye[3])
+static struct rnd_scene *boxes(const struct box *box, int count, const char *env, const float camera[3])
 {
     static const float corner[24] = {-1, -1, -1, 1, -1, -1, -1, 1, -1, 1, 1, -1,
                                      -1, -1, 1,  1, -1, 1,  -1, 1, 1,  1, 1, 1};
@@ -58,8 +58,8 @@ static struct rnd_scene *boxes(const struct box *box, int count, const char *env
         .image_program = files_image_program(),
         .path = files_parts("boxes.gltf", primitives, nodes, materials, "", part, 2),
         .env_path = env,
-        .has_eye = true,
-        .eye = {(double)eye[0], (double)eye[1], (double)eye[2]}};
+        .has_camera = true,
+        .camera = {(double)camera[0], (double)camera[1], (double)camera[2]}};
     char error[RND_ERROR_SIZE];
     struct rnd_scene *scene = rnd_scene_load(&options, error);
     if (!scene) fail_msg("%s", error);
@@ -67,7 +67,7 @@ static struct rnd_scene *boxes(const struct box *box, int count, const char *env
 }
 
 /* Whatever the order of surfaces, in a world of constant radiance clear media cannot be seen, from outside or
- * by an eye that is in one of them. */
+ * by a camera that is in one of them. */
 static void furnaces(void **state)
 {
     (void)state;
@@ -129,7 +129,8 @@ static void furnaces(void **state)
                 const struct rnd_aim aim = files_aim(0, 0, -1);
                 const double mean =
                     files_radiance(scene, r || !e ? "od" : "fv", 0, 70000, &aim, r || !e ? 180 : 20, NULL);
-                print_message("%-36s roughness %.2f, eye %d: %.4f\n", worlds[k].name, roughness[r], e, mean);
+                print_message("%-36s roughness %.2f, camera %d: %.4f\n", worlds[k].name, roughness[r], e,
+                              mean);
                 wrong += !(fabs(mean - 1) < files_off(0.01));
                 rnd_scene_destroy(scene);
             }
@@ -145,14 +146,14 @@ static double fresnel(double cosine, double from, double to)
     return (s * s + p * p) / 2;
 }
 
-/* An eye in glass looks at 50 degrees into water that touches the glass, or reaches into it, at something
+/* A camera in glass looks at 50 degrees into water that touches the glass, or reaches into it, at something
  * bright in the water: through air in between it would see nothing, since from 41.8 degrees on glass reflects
  * all. What the border reflects comes down again from the top of the glass, so that in the end all is bright;
  * in the water, so that its radiance is divided by the square of the index of water. */
 static void bright_in_water(void **state)
 {
     (void)state;
-    static const float eye[3] = {0, 0.5f, 0};
+    static const float camera[3] = {0, 0.5f, 0};
     const double angle = 50 * M_PI / 180;
     const struct rnd_aim aim = files_aim(sin(angle), -cos(angle), 0.02);
     for (int k = 0; k < 3; k++) {
@@ -160,7 +161,7 @@ static void bright_in_water(void **state)
         const struct box box[] = {{GLASS CLEAR, 0, {-50, 0, -50}, {50, 1, 50}},
                                   {WATER CLEAR, 0, {-50, -3, -50}, {50, overlap[k], 50}},
                                   {bright, 1, {-40, -2, -40}, {40, -1, 40}}};
-        struct rnd_scene *scene = boxes(box, 3, NULL, eye);
+        struct rnd_scene *scene = boxes(box, 3, NULL, camera);
         char what[100];
         snprintf(what, sizeof what, "bright in water, %g m into the glass", overlap[k]);
         assert_within(what, files_radiance(scene, "fv", 0, 200000, &aim, 3, NULL), 3 / (1.333 * 1.333),
@@ -196,7 +197,7 @@ static void absorbing(void **state)
         assert_within("bright seen from in the water, green", rgb[1], 3 / index * pow(0.5, 0.75), 0.01);
         rnd_scene_destroy(scene);
     }
-    /* The floor is 1 m below a much wider emitter, both in the water, and the eye looks straight down at it
+    /* The floor is 1 m below a much wider emitter, both in the water, and the camera looks straight down at it
      * from 0.1 m. Its radiance is albedo times emission times 2 E3(s), with the exponential integral E3
      * (DLMF 8.19) and s the absorption over 1 m. */
     const struct box room[] = {{tinted, 0, {-900, -3, -900}, {900, 0, 900}},

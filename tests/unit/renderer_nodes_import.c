@@ -255,7 +255,7 @@ static void blender_instances(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* Nodes of the same name that share a light and a camera: each has its own, and the eye is at the first. */
+/* Nodes of the same name that share a light and a camera: each has its own, and the camera is at the first. */
 static void shared_light(void **state)
 {
     (void)state;
@@ -293,7 +293,7 @@ static void shared_light(void **state)
         NEAR(at[0].direction.z, -1), NEAR(at[1].direction.z, 1);
         NEAR(at[1].intensity.x, 2), NEAR(at[1].intensity.z, 0.5f);
         NEAR(at[0].drop_inner, 0), NEAR(at[0].drop_outer, 1 - cosf(1.5f));
-        NEAR(rnd_scene_info(scene)->eye[1], 2);
+        NEAR(rnd_scene_info(scene)->camera[1], 2);
         rnd_scene_destroy(scene);
     }
 }

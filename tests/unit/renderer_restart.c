@@ -69,7 +69,7 @@ static void as_fresh(void **state)
     assert_memory_not_equal(&first.film, &other.film, sizeof first.film);
 
     look_around(render, 9, 2000); /* what was before must not matter */
-    rnd_render_restart(render, room, rnd_scene_info(room)->eye);
+    rnd_render_restart(render, room, rnd_scene_info(room)->camera);
     look_around(render, 5, 6000);
     read_all(render, &again);
     assert_same(&first, &again);
@@ -114,7 +114,7 @@ static void left_out(void **state)
         assert_int_equal(tiles[t].samples, 0);
         assert_true(tiles[t].gaze_sequence == 0 && tiles[t].gaze_ns == 0 && tiles[t].aimed_ns == 0);
     }
-    rnd_render_restart(render, room, rnd_scene_info(room)->eye);
+    rnd_render_restart(render, room, rnd_scene_info(room)->camera);
     look_around(render, 5, 6000);
     read_all(render, &again);
     assert_same(&first, &again);
@@ -151,7 +151,7 @@ static void empty(void **state)
         look_around(render, 4, 8000);
         assert_true(rnd_render_read(render, 2, 0, 0, rgb, &tile));
         assert_int_equal(tile.generation, generation);
-        rnd_render_restart(render, room, rnd_scene_info(room)->eye);
+        rnd_render_restart(render, room, rnd_scene_info(room)->camera);
     }
     rnd_render_destroy(render);
 }
@@ -213,7 +213,7 @@ static void readers(void **state)
     files_text("speck.mtl", "newmtl m\nKd 0 0 0\n");
     const char *path =
         files_text("speck.obj", "mtllib speck.mtl\nusemtl m\nv 0 -9 0\nv 1e-4 -9 0\nv 0 -9 1e-4\nf 1 2 3\n");
-    static const double eye[3] = {0, 0, 0};
+    static const double camera[3] = {0, 0, 0};
     struct rnd_scene *world[2];
     for (int i = 0; i < 2; i++)
         world[i] = files_load(path, files_env(i ? "grey.exr" : "white.exr", shade_of((uint32_t)i + 1)), NULL,
@@ -227,7 +227,7 @@ static void readers(void **state)
     for (uint32_t i = 1; i <= 60 || (i <= 100000 && !saw_both(&reader)); i++) {
         rnd_render_outline(render, &aim, i, &batch);
         for (int k = 0; k < 3; k++) rnd_render_batch(render, &aim, i, 1000, &batch);
-        rnd_render_restart(render, world[i % 2], eye);
+        rnd_render_restart(render, world[i % 2], camera);
     }
     atomic_store(&reader.quit, true);
     pthread_join(thread, NULL);

@@ -1,4 +1,4 @@
-/* A sun is as bright by all ways that find it, however small it is: seen by the eye, in a mirror, and by what
+/* A sun is as bright by all ways that find it, however small it is: seen by the camera, in a mirror, and by what
  * it lights. */
 #include "renderer_files.h"
 
@@ -11,7 +11,7 @@ enum { WIDTH = 32768, HEIGHT = WIDTH / 2 };
 
 static const float diameters[] = {0.53f, 0.1f, 0.04f, 0.005f};
 
-/* Paths in each pixel that an eye needs to find a sun of that size as well as it is tested. */
+/* Paths in each pixel that a camera needs to find a sun of that size as well as it is tested. */
 static uint32_t enough(float diameter)
 {
     return diameter > 0.2f ? 8 : (diameter > 0.02f ? 4096 : 32768) / (SANITIZED ? 16 : 1);
@@ -24,7 +24,7 @@ static struct rnd_light_choice choice_of(const struct rnd_scene *scene)
     return choice;
 }
 
-/* Integral of the radiance that arrives at the eye from within half degrees around a direction, over the
+/* Integral of the radiance that arrives at the camera from within half degrees around a direction, over the
  * solid angle; with so many paths in each pixel. */
 static double arriving(const struct rnd_scene *scene, double azimuth_deg, double elevation_deg, double half,
                        uint32_t paths)
@@ -37,7 +37,7 @@ static double arriving(const struct rnd_scene *scene, double azimuth_deg, double
                  down = half / 180.0 * HEIGHT + 1.0, across = down / cos(elevation_deg * M_PI / 180.0);
     double sum = 0.0;
     struct rnd_camera camera;
-    for (int k = 0; k < 3; k++) camera.position[k] = (float)(scene->info.eye[k] - scene->origin[k]);
+    for (int k = 0; k < 3; k++) camera.position[k] = (float)(scene->info.camera[k] - scene->origin[k]);
     uint32_t count = 0;
     for (uint32_t row = (uint32_t)(y - down); row <= (uint32_t)(y + down); row++) {
         const double top = cos(M_PI * row / HEIGHT), bottom = cos(M_PI * (row + 1) / HEIGHT),
@@ -65,7 +65,7 @@ static void assert_within(const char *what, float diameter, double value, double
     assert_true(fabs(value / expected - 1.0) < files_off(relative));
 }
 
-/* The eye's integral over its disc is the irradiance, in every direction. */
+/* The camera's integral over its disc is the irradiance, in every direction. */
 static void seen(void **state)
 {
     (void)state;
@@ -75,8 +75,8 @@ static void seen(void **state)
         for (size_t k = 0; k < 3; k++) {
             const float sun[4] = {place[k][0], place[k][1], 3, diameters[i]};
             struct rnd_scene *scene = files_load(path, NULL, sun, (float[]){0, 0, 0});
-            assert_within("by the eye", sun[3], arriving(scene, sun[0], sun[1], 0.6 * sun[3], enough(sun[3])),
-                          3, 0.01);
+            assert_within("by the camera", sun[3],
+                          arriving(scene, sun[0], sun[1], 0.6 * sun[3], enough(sun[3])), 3, 0.01);
             rnd_scene_destroy(scene);
         }
 }

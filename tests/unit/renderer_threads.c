@@ -121,7 +121,7 @@ static void published(void **state)
         }
         assert_int_equal(paths, 1000);
     }
-    rnd_render_restart(render, room, rnd_scene_info(room)->eye);
+    rnd_render_restart(render, room, rnd_scene_info(room)->camera);
     assert_int_equal(rnd_render_published(render, known, changed), TILES);
     assert_known(render, known);
     assert_int_equal(known[0].generation, 2);
@@ -204,7 +204,7 @@ static void outline_memory(void **state)
     const double before = resident(), film = (double)W * H * sizeof(struct rnd_film_pixels) / RND_TILE_PIXELS;
     for (int i = 0; i < 2; i++) {
         rnd_render_outline(render, &aim, 0, &batch);
-        rnd_render_restart(render, room, rnd_scene_info(room)->eye);
+        rnd_render_restart(render, room, rnd_scene_info(room)->camera);
     }
     print_message("%.1f MB of a film of %.1f MB\n", 1e-6 * (resident() - before), 1e-6 * film);
     assert_true(resident() - before < 0.25 * film); /* with what sanitizers keep of it */

@@ -191,7 +191,7 @@ static void clamp_darkens(void **state)
     for (int k = 1; k < 4; k++) assert_true(direct[k] == direct[0]);
 }
 
-/* The pixels of a small plate under the eye, on the floor of a room that is lit by way of its ceiling. */
+/* The pixels of a small plate under the camera, on the floor of a room that is lit by way of its ceiling. */
 static int render_plate(const char *name, float albedo, float *out_value)
 {
     static float rgb[3 * PIXELS];

@@ -272,7 +272,7 @@ static void outlived(void **state)
         assert_true(scene && next);
         struct rnd_render *render = rnd_render_create(scene, &options, error);
         assert_non_null(render);
-        rnd_render_restart(render, next, rnd_scene_info(next)->eye);
+        rnd_render_restart(render, next, rnd_scene_info(next)->camera);
         rnd_scene_destroy(scene);
         rnd_image_program_destroy(program);
         const char *path = files_path("outlived.exr");
