@@ -19,7 +19,7 @@ newmtl wall
 Kd 0.6 0.6 0.6
 newmtl red
 Kd 0.7 0.1 0.1
-newmtl lamp
+newmtl emitter
 Kd 0 0 0
 Ke 12 12 12
 END
@@ -45,7 +45,7 @@ f 4 3 7 8
 usemtl red
 f 1 4 8 5
 f 2 6 7 3
-usemtl lamp
+usemtl emitter
 f 9 10 11 12
 END
 }

@@ -33,11 +33,11 @@ struct rnd_v3 rnd_area_gives(const struct rnd_scene *scene, const struct rnd_are
 bool rnd_area_light(const struct rnd_scene *scene, const struct rnd_light_choice *choice, struct rnd_v3 point,
                     const float u[4], struct rnd_light_sample *out)
 {
-    const struct rnd_alias *alias = choice->lamps[RND_LIGHT_AREA];
+    const struct rnd_alias *alias = choice->emitters[RND_LIGHT_AREA];
     const uint32_t i = rnd_alias_draw(alias, u[1], u[0]);
     const struct rnd_area *area = &scene->lights.area[i];
     struct rnd_area_point drawn;
-    out->part = scene->lights.lamps[RND_LIGHT_AREA].part[i];
+    out->part = scene->lights.emitters[RND_LIGHT_AREA].part[i];
     out->pdf = rnd_area_draw(area, alias->probability[i], point, u[2], u[3], &drawn);
     out->direction = drawn.direction;
     out->distance = drawn.distance;

@@ -6,9 +6,9 @@
 
 /* How often points ask for which light. */
 struct rnd_light_choice {
-    float group[RND_LIGHT_GROUPS];                   /* one in all; never 0 for one that gives light */
-    struct rnd_env_choice env;                       /* unused without an environment */
-    const struct rnd_alias *lamps[RND_LIGHT_GROUPS]; /* the lights' own, or these: */
+    float group[RND_LIGHT_GROUPS];                      /* one in all; never 0 for one that gives light */
+    struct rnd_env_choice env;                          /* unused without an environment */
+    const struct rnd_alias *emitters[RND_LIGHT_GROUPS]; /* the lights' own, or these: */
     struct rnd_alias own[RND_LIGHT_GROUPS];
 };
 
@@ -20,7 +20,7 @@ struct rnd_light_sample {
     struct rnd_v3 radiance;  /* for lights without extent, the irradiance facing it */
     float pdf;               /* per steradian; for lights without extent, of the choice alone */
     bool delta;              /* no extent: cannot be hit by chance */
-    uint32_t part;           /* of lamps, or region of the environment */
+    uint32_t part;           /* of emitters, or region of the environment */
 };
 
 struct rnd_scene;

@@ -1,7 +1,7 @@
 /* The kinds of light together: their tables, how often each is asked, and drawing. */
 #include "light/light.h"
 #include "light/area.h"
-#include "light/emitters.h"
+#include "light/area_build.h"
 #include "light/env.h"
 #include "light/punctual.h"
 #include "light/sun.h"
@@ -63,8 +63,8 @@ void rnd_lights_finish(struct rnd_lights *lights)
     free(lights->area);
     free(lights->punctual);
     for (int g = 0; g < RND_LIGHT_GROUPS; g++) {
-        rnd_alias_finish(&lights->lamps[g].by_power);
-        free(lights->lamps[g].part);
+        rnd_alias_finish(&lights->emitters[g].by_power);
+        free(lights->emitters[g].part);
     }
 }
 
@@ -74,7 +74,7 @@ void rnd_light_choose_evenly(const struct rnd_lights *lights, struct rnd_light_c
     for (int g = 0; g < RND_LIGHT_GROUPS; g++) groups += lights->has[g];
     for (int g = 0; g < RND_LIGHT_GROUPS; g++) {
         choice->group[g] = lights->has[g] ? 1.0f / groups : 0.0f;
-        choice->lamps[g] = &lights->lamps[g].by_power;
+        choice->emitters[g] = &lights->emitters[g].by_power;
     }
     if (lights->env) choice->env = lights->env->by_weight;
 }

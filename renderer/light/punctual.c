@@ -1,7 +1,7 @@
 /* Point, spot and directional lights: their table, and drawing one. */
 #include "light/punctual.h"
 #include "light/drop.h"
-#include "light/lamps.h"
+#include "light/emitters.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -25,7 +25,8 @@ bool rnd_punctual_build(struct rnd_scene *scene, double *out_power)
     }
     *out_power = sum;
     if (ok && sum > 0.0f && isfinite(sum))
-        ok = rnd_lamps_build(&lights->lamps[RND_LIGHT_PUNCTUAL], position, power, lights->punctual_count);
+        ok = rnd_emitters_build(&lights->emitters[RND_LIGHT_PUNCTUAL], position, power,
+                                lights->punctual_count);
     free(power);
     free(position);
     return ok;
@@ -35,10 +36,10 @@ bool rnd_punctual_light(const struct rnd_scene *scene, const struct rnd_light_ch
                         struct rnd_v3 point, const float u[4], struct rnd_light_sample *out)
 {
     const struct rnd_lights *lights = &scene->lights;
-    const struct rnd_alias *alias = choice->lamps[RND_LIGHT_PUNCTUAL];
+    const struct rnd_alias *alias = choice->emitters[RND_LIGHT_PUNCTUAL];
     const uint32_t i = rnd_alias_draw(alias, u[1], u[0]);
     const struct rnd_punctual *light = &lights->punctual[i];
-    out->part = lights->lamps[RND_LIGHT_PUNCTUAL].part[i];
+    out->part = lights->emitters[RND_LIGHT_PUNCTUAL].part[i];
     out->pdf = alias->probability[i];
     out->delta = true;
     out->radiance = light->intensity;

@@ -69,7 +69,7 @@ void ISA(rnd_emission)(struct rnd_tracer *tracer, uint32_t count)
     const struct rnd_lights *lights = &scene->lights;
     const struct rnd_paths *paths = &tracer->paths[1];
     const struct rnd_surfaces *s = &tracer->surfaces;
-    const struct rnd_alias *alias = tracer->choice->lamps[RND_LIGHT_AREA];
+    const struct rnd_alias *alias = tracer->choice->emitters[RND_LIGHT_AREA];
     if (lights->area_count == 0) return;
     for (uint32_t j = 0; j < count; j++) {
         const struct rnd_mesh *mesh = &scene->mesh[s->mesh[j]];

@@ -177,7 +177,8 @@ static void choose_evenly(struct rnd_integrator *integrator)
 {
     const struct rnd_lights *lights = &integrator->scene->lights;
     int many = lights->env ? 2 : 0; /* its regions */
-    for (int g = 0; g < RND_LIGHT_GROUPS; g++) many += lights->has[g] + (lights->lamps[g].by_power.count > 1);
+    for (int g = 0; g < RND_LIGHT_GROUPS; g++)
+        many += lights->has[g] + (lights->emitters[g].by_power.count > 1);
     rnd_light_choose_evenly(lights, &integrator->choice);
     integrator->surveyed = many < 2;
 }

@@ -53,7 +53,7 @@ static void choose_groups(struct rnd_tracer *tracer, uint32_t count, uint32_t nu
 static void draw_areas(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count, uint32_t *out_area)
 {
     const struct rnd_lights *lights = &tracer->scene->lights;
-    const struct rnd_alias *alias = tracer->choice->lamps[RND_LIGHT_AREA];
+    const struct rnd_alias *alias = tracer->choice->emitters[RND_LIGHT_AREA];
     float(*u)[RND_WAVE] = tracer->number;
     for (uint32_t k = 0; k < count; k++) {
         float part;
@@ -147,7 +147,7 @@ static void choose_area(struct rnd_tracer *tracer, const uint32_t *list, uint32_
     const struct rnd_lights *lights = &tracer->scene->lights;
     struct rnd_light_choices *to = &tracer->chosen;
     struct rnd_areas *areas = &tracer->areas;
-    const struct rnd_alias *alias = tracer->choice->lamps[RND_LIGHT_AREA];
+    const struct rnd_alias *alias = tracer->choice->emitters[RND_LIGHT_AREA];
     uint32_t *entry = tracer->scratch.lights.drawn;
     draw_areas(tracer, list, count, entry);
     for (uint32_t k = 0; k < count; k++) {

@@ -1,10 +1,10 @@
 /* A look around before the work: how much of each group of lights really arrives, how much from each region
- * of the environment and from each part of the lamps.
+ * of the environment and from each part of the emitters.
  *
  * A shading point asks one group for light. The noise is least when each is asked as often as the root mean
  * square of what it then gives (Veach 1997, section 9.2), and that is not its power: most of a sky is hidden
  * from a room. The same holds for the regions of the environment, which a room sees through its windows, and
- * for the lamps of a house, most of which burn in other rooms. A few thousand paths from the camera ask all
+ * for the emitters of a house, most of which are in other rooms. A few thousand paths from the camera ask all
  * groups at every point and see. What they find changes the noise and never the mean. */
 #include "path/survey.h"
 #include "path/clear.h"
@@ -21,10 +21,10 @@
 enum { PATHS = 4096, BOUNCES = 3, SEED = 0x5eed };
 
 /* No group is asked less often than this share of an even choice, no region than this share of the choice by
- * weight, and no lamp than this share of that by power: the survey may have missed a place. */
-#define LEAST_OF_GROUP  0.2f
-#define LEAST_OF_REGION 0.1f
-#define LEAST_OF_LAMP   0.2f
+ * weight, and no emitter than this share of that by power: the survey may have missed a place. */
+#define LEAST_OF_GROUP   0.2f
+#define LEAST_OF_REGION  0.1f
+#define LEAST_OF_EMITTER 0.2f
 
 /* What a path found at a step. */
 struct step {
@@ -200,15 +200,16 @@ static void choose_regions(const struct survey *survey, struct rnd_env_choice *o
     if (!rnd_env_choose(env, probability, out)) *out = env->by_weight;
 }
 
-/* Lamps by power, times the root mean square of what those of their part gave over that power. out_factor is
+/* Emitters by power, times the root mean square of what those of their part gave over that power. out_factor is
  * for each part how much more often it is drawn than by power. */
-static void choose_lamps(const struct survey *survey, int group, struct rnd_light_choice *out,
-                         float out_factor[RND_LIGHT_PARTS])
+static void choose_emitters(const struct survey *survey, int group, struct rnd_light_choice *out,
+                            float out_factor[RND_LIGHT_PARTS])
 {
-    const struct rnd_lamps *lamps = &survey->scene->lights.lamps[group];
-    const struct rnd_alias *by_power = &lamps->by_power;
+    const struct rnd_emitters *emitters = &survey->scene->lights.emitters[group];
+    const struct rnd_alias *by_power = &emitters->by_power;
     double power[RND_LIGHT_PARTS] = {0}, root[RND_LIGHT_PARTS] = {0}, all = 0.0;
-    for (uint32_t i = 0; i < by_power->count; i++) power[lamps->part[i]] += (double)by_power->probability[i];
+    for (uint32_t i = 0; i < by_power->count; i++)
+        power[emitters->part[i]] += (double)by_power->probability[i];
     for (int i = 0; i < PATHS; i++)
         for (int k = 0; k < BOUNCES; k++) {
             const struct step *step = &survey->step[i][k];
@@ -217,16 +218,16 @@ static void choose_lamps(const struct survey *survey, int group, struct rnd_ligh
     for (int i = 0; i < RND_LIGHT_PARTS; i++) all += root[i] = sqrt(root[i] * power[i]);
     for (int i = 0; i < RND_LIGHT_PARTS; i++)
         out_factor[i] = all > 0.0 && power[i] > 0.0
-                            ? LEAST_OF_LAMP + (1.0f - LEAST_OF_LAMP) * (float)(root[i] / power[i] / all)
+                            ? LEAST_OF_EMITTER + (1.0f - LEAST_OF_EMITTER) * (float)(root[i] / power[i] / all)
                             : 1.0f;
     float *probability = malloc(by_power->count * sizeof *probability);
     struct rnd_alias own = {0};
     for (uint32_t i = 0; probability && i < by_power->count; i++)
-        probability[i] = by_power->probability[i] * out_factor[lamps->part[i]];
+        probability[i] = by_power->probability[i] * out_factor[emitters->part[i]];
     if (probability && rnd_alias_init(&own, probability, by_power->count)) {
         rnd_alias_finish(&out->own[group]);
         out->own[group] = own;
-        out->lamps[group] = &out->own[group];
+        out->emitters[group] = &out->own[group];
     } else { /* memory is short: as before */
         for (int i = 0; i < RND_LIGHT_PARTS; i++) out_factor[i] = 1.0f;
     }
@@ -264,14 +265,14 @@ void rnd_survey_lights(const struct rnd_scene *scene, const struct rnd_camera *c
                        struct rnd_light_choice *out)
 {
     struct survey survey = {.scene = scene, .camera = camera};
-    float lamps[RND_LIGHT_GROUPS][RND_LIGHT_PARTS];
+    float emitters[RND_LIGHT_GROUPS][RND_LIGHT_PARTS];
     const float *factor[RND_LIGHT_GROUPS] = {0};
     rnd_light_choose_evenly(&scene->lights, out);
     survey.choice = *out;
     rnd_pool_share(pool, PATHS, 64, walk_some, &survey);
     if (scene->lights.env) choose_regions(&survey, &out->env), factor[RND_LIGHT_ENV] = out->env.factor;
     for (int g = 0; g < RND_LIGHT_GROUPS; g++)
-        if (scene->lights.lamps[g].by_power.count > 1)
-            choose_lamps(&survey, g, out, lamps[g]), factor[g] = lamps[g];
+        if (scene->lights.emitters[g].by_power.count > 1)
+            choose_emitters(&survey, g, out, emitters[g]), factor[g] = emitters[g];
     choose_groups(&survey, factor, out);
 }

@@ -80,7 +80,7 @@ enum { RND_LIGHT_AREA, RND_LIGHT_ENV, RND_LIGHT_SUN, RND_LIGHT_PUNCTUAL, RND_LIG
 
 /* Emissive triangles or punctual lights: a table by power, and parts of them that are near each other. */
 enum { RND_LIGHT_PARTS = 256 };
-struct rnd_lamps {
+struct rnd_emitters {
     struct rnd_alias by_power;
     uint16_t *part; /* of each */
 };
@@ -95,7 +95,7 @@ struct rnd_lights {
     struct rnd_sun *sun;
     uint32_t punctual_count;
     struct rnd_punctual *punctual;
-    struct rnd_lamps lamps[RND_LIGHT_GROUPS]; /* of emissive triangles and punctual lights */
+    struct rnd_emitters emitters[RND_LIGHT_GROUPS]; /* of emissive triangles and punctual lights */
 };
 
 #endif

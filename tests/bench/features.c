@@ -91,7 +91,7 @@ static const struct feature feature[] = {
     {"emission, 10000 triangles", "12 triangles",
      .room = {.plain = DIFFUSE, .look = {GLOWING, false}, .parts = ROOM_MESHED_PANEL}, .before = ROOM_PANEL},
     {"sun", "diffuse", WHOLE(.instances = false), .sun = true},
-    {"three punctual lights", "diffuse", WHOLE(.lamps = ROOM_ALL), .unused = true},
+    {"three punctual lights", "diffuse", WHOLE(.punctual = ROOM_ALL), .unused = true},
     {"16 balls of one mesh", "16 meshes", WHOLE(.instances = true)},
 };
 enum { FEATURES = sizeof feature / sizeof *feature };
@@ -106,7 +106,7 @@ static struct rnd_scene *load(const char *directory, const struct feature *f, in
     struct room room = f->room;
     if (way != WITH) {
         room.parts = way == WITHOUT ? f->before : way == UNUSED ? ROOM_UNUSED : ROOM_HIDDEN;
-        if (room.lamps == ROOM_ALL) room.lamps = way == UNUSED ? ROOM_UNUSED : ROOM_NOTHING;
+        if (room.punctual == ROOM_ALL) room.punctual = way == UNUSED ? ROOM_UNUSED : ROOM_NOTHING;
         room.instances = false;
         if (!room.look.material) room.parts = ROOM_NOTHING;
         if (room.parts == ROOM_NOTHING) room.look = (struct room_look){0};
@@ -303,7 +303,7 @@ static bool judge(const struct figures *figures)
     bool ok = true;
     for (int i = 0; i < FEATURES; i++) {
         const struct feature *f = &feature[i];
-        const bool *same = figures[i].same, shows = f->room.look.material || f->room.lamps || f->sun;
+        const bool *same = figures[i].same, shows = f->room.look.material || f->room.punctual || f->sun;
         if (f->unused && !same[UNUSED]) ok = complain(f, "changes the picture though nothing uses it");
         if (f->hidden && !same[HIDDEN]) ok = complain(f, "changes the picture though no ray meets it");
         if (shows && same[WITH]) ok = complain(f, "does not change the picture");

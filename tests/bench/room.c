@@ -319,7 +319,7 @@ static json_t *nodes(const struct room *room)
         }
         json_array_append_new(list, node);
     }
-    for (int i = 0; i < 3 && room->lamps == ROOM_ALL; i++)
+    for (int i = 0; i < 3 && room->punctual == ROOM_ALL; i++)
         json_array_append_new(list, json_pack("{s:[f,f,f],s:{s:{s:i}}}", "translation", i - 1.0, 2.5, 0.5 * i,
                                               "extensions", "KHR_lights_punctual", "light", i));
     return list;
@@ -346,7 +346,7 @@ static json_t *room_json(const struct room *room)
                            json_pack("{s:[{s:s},{s:s},{s:s}],s:[{s:i},{s:i},{s:i}]}", "images", "uri",
                                      image_name[COLOURS], "uri", image_name[METAL_ROUGH], "uri",
                                      image_name[NORMALS], "textures", "source", 0, "source", 1, "source", 2));
-    if (room->lamps != ROOM_NOTHING)
+    if (room->punctual != ROOM_NOTHING)
         json_object_set_new(
             root, "extensions",
             quoted("{'KHR_lights_punctual':{'lights':[{'type':'point','intensity':5},"

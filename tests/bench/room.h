@@ -27,8 +27,9 @@ struct room {
     const char *plain; /* material of the parts that do not have the look */
     struct room_look look;
     enum room_parts parts; /* that have it */
-    enum room_parts lamps; /* three punctual lights: ROOM_ALL, ROOM_UNUSED (in the file only), ROOM_NOTHING */
-    bool instances;        /* the balls are one mesh in 16 places, not 16 meshes */
+    enum room_parts
+        punctual;   /* three punctual lights: ROOM_ALL, ROOM_UNUSED (in the file only), ROOM_NOTHING */
+    bool instances; /* the balls are one mesh in 16 places, not 16 meshes */
 };
 
 /* Write what all rooms share, the buffer, images and sky, into the directory; false and a line in out_error

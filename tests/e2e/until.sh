@@ -14,11 +14,11 @@ grep -q '"mode": "od"' paths.json && grep -q '"gaze": "none"' paths.json || fail
 "$fovead" --scene room.obj --size 256x128 --until 0.5s >seconds.txt
 grep -q '^time  *0\.[5-9]' seconds.txt || grep -q '^time  *[1-9]' seconds.txt || fail "$(cat seconds.txt)"
 
-# A closed lamp is the same everywhere, so it converges as soon as it is judged.
-sed 's/Kd 0.6 0.6 0.6/Kd 0 0 0\nKe 1 1 1/; s/Kd 0.7 0.1 0.1/Kd 0 0 0\nKe 1 1 1/; s/Ke 12 12 12/Ke 1 1 1/' room.mtl >lamp.mtl
-sed 's/room.mtl/lamp.mtl/' room.obj >lamp.obj
-"$fovead" --scene lamp.obj --size 128x64 --until converged --json >converged.json 2>/dev/null ||
-    fail "a lamp does not converge"
+# A closed emitter is the same everywhere, so it converges as soon as it is judged.
+sed 's/Kd 0.6 0.6 0.6/Kd 0 0 0\nKe 1 1 1/; s/Kd 0.7 0.1 0.1/Kd 0 0 0\nKe 1 1 1/; s/Ke 12 12 12/Ke 1 1 1/' room.mtl >emitter.mtl
+sed 's/room.mtl/emitter.mtl/' room.obj >emitter.obj
+"$fovead" --scene emitter.obj --size 128x64 --until converged --json >converged.json 2>/dev/null ||
+    fail "an emitter does not converge"
 [ "$(number tiles_converged converged.json)" = 2 ] || fail "$(cat converged.json)"
 
 "$fovead" --scene room.obj --size 256x128 --gaze replay:short.gaze --until end --json >end.json 2>/dev/null ||

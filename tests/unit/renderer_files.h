@@ -245,18 +245,18 @@ static inline const char *files_glb(const char *name, float half, const char *no
     return files_write(name, bytes, 120 + json);
 }
 
-/* A room of 4 x 3 x 4 m around the origin with coloured walls, a lamp, a glossy box, a mirror and a glass
+/* A room of 4 x 3 x 4 m around the origin with coloured walls, an emitter, a glossy box, a mirror and a glass
  * box. */
 static inline const char *files_room(const char *name)
 {
     static char text[8000];
     files_text("room.mtl",
-               "newmtl wall\nKd 0.7 0.65 0.6\nnewmtl red\nKd 0.6 0.1 0.1\nnewmtl lamp\nKd 0 0 0\n"
+               "newmtl wall\nKd 0.7 0.65 0.6\nnewmtl red\nKd 0.6 0.1 0.1\nnewmtl emitter\nKd 0 0 0\n"
                "Ke 12 11 9\nnewmtl glossy\nKd 0.2 0.3 0.5\nKs 0.5 0.5 0.5\nNs 60\nillum 2\n"
                "newmtl mirror\nKd 0 0 0\nKs 0.9 0.9 0.8\nillum 3\nnewmtl glass\nNi 1.5\nillum 7\n");
     strcpy(text, "mtllib room.mtl\n");
     files_box(text, sizeof text, "wall", (double[]){-2, -1.5, -2}, (double[]){2, 1.5, 2});
-    files_box(text, sizeof text, "lamp", (double[]){-0.5, 1.4, -1.2}, (double[]){0.5, 1.45, -0.4});
+    files_box(text, sizeof text, "emitter", (double[]){-0.5, 1.4, -1.2}, (double[]){0.5, 1.45, -0.4});
     files_box(text, sizeof text, "red", (double[]){-1.9, -1.4, -1.9}, (double[]){-1.8, 1.4, 1.9});
     files_box(text, sizeof text, "glossy", (double[]){0.4, -1.5, -1.6}, (double[]){1.2, -0.6, -0.8});
     files_box(text, sizeof text, "mirror", (double[]){-1, -1, 1.8}, (double[]){1, 1, 1.85});

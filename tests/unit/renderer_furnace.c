@@ -115,15 +115,15 @@ static double corner_form_factor(double a, double b)
 static void rectangle_of_light(void **state)
 {
     (void)state;
-    files_text("lamp.mtl", "newmtl floor\nKd 0.6 0.6 0.6\nnewmtl lamp\nKd 0 0 0\nKe 5 5 5\n");
+    files_text("emitter.mtl", "newmtl floor\nKd 0.6 0.6 0.6\nnewmtl emitter\nKd 0 0 0\nKe 5 5 5\n");
     const char *path =
-        files_text("lamp.obj", "mtllib lamp.mtl\nusemtl floor\nv -5 0 -5\nv 5 0 -5\nv 5 0 5\nv -5 0 5\n"
-                               "f 4 3 2 1\nusemtl lamp\nv -1 1.5 -0.5\nv 1 1.5 -0.5\nv 1 1.5 0.5\n"
-                               "v -1 1.5 0.5\nf 5 6 7 8\n");
+        files_text("emitter.obj", "mtllib emitter.mtl\nusemtl floor\nv -5 0 -5\nv 5 0 -5\nv 5 0 5\nv -5 0 5\n"
+                                  "f 4 3 2 1\nusemtl emitter\nv -1 1.5 -0.5\nv 1 1.5 -0.5\nv 1 1.5 0.5\n"
+                                  "v -1 1.5 0.5\nf 5 6 7 8\n");
     const struct rnd_aim aim = files_aim(0, -1, 0);
     struct rnd_scene *scene = files_load(path, NULL, NULL, (float[]){0, 0.01f, 0});
     const double middle = 4.0 * corner_form_factor(1 / 1.5, 0.5 / 1.5);
-    assert_within("floor below a lamp's middle", files_radiance(scene, "fv", 0, 100000, &aim, 30, NULL),
+    assert_within("floor below an emitter's middle", files_radiance(scene, "fv", 0, 100000, &aim, 30, NULL),
                   0.6 * 5 * middle, 0.003);
     rnd_scene_destroy(scene);
     scene = files_load(path, NULL, NULL, (float[]){1, 0.01f, 0.5f});
@@ -132,18 +132,18 @@ static void rectangle_of_light(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* The same far from the origin, where floats are coarse: a lamp must not stand in its own light. */
+/* The same far from the origin, where floats are coarse: an emitter must not stand in its own light. */
 static void rectangle_far_away(void **state)
 {
     (void)state;
-    files_text("far.mtl", "newmtl floor\nKd 0.6 0.6 0.6\nnewmtl lamp\nKd 0 0 0\nKe 5 5 5\n");
+    files_text("far.mtl", "newmtl floor\nKd 0.6 0.6 0.6\nnewmtl emitter\nKd 0 0 0\nKe 5 5 5\n");
     const char *path = files_text(
         "far.obj",
         "mtllib far.mtl\nusemtl floor\nv 95 64 -5\nv 105 64 -5\nv 105 64 5\nv 95 64 5\nf 4 3 2 1\n"
-        "usemtl lamp\nv 99 65.5 -0.5\nv 101 65.5 -0.5\nv 101 65.5 0.5\nv 99 65.5 0.5\nf 5 6 7 8\n");
+        "usemtl emitter\nv 99 65.5 -0.5\nv 101 65.5 -0.5\nv 101 65.5 0.5\nv 99 65.5 0.5\nf 5 6 7 8\n");
     const struct rnd_aim aim = files_aim(0, -1, 0);
     struct rnd_scene *scene = files_load(path, NULL, NULL, (float[]){100, 64.01f, 0});
-    assert_within("floor below a lamp, 119 m from the origin",
+    assert_within("floor below an emitter, 119 m from the origin",
                   files_radiance(scene, "fv", 0, 100000, &aim, 30, NULL),
                   0.6 * 5 * 4.0 * corner_form_factor(1 / 1.5, 0.5 / 1.5), 0.003);
     rnd_scene_destroy(scene);
@@ -191,7 +191,7 @@ static void far_nodes(void **state)
                  i ? "50000.3,-20000.7,1000000.2" : "0,0,0");
         struct rnd_scene *scene =
             files_load(files_gltf("far.gltf", 1, nodes, FILES_GREY, light), NULL, NULL, NULL);
-        assert_within("floor under a lamp of a far node",
+        assert_within("floor under an emitter of a far node",
                       files_radiance(scene, "fv", 1, 50000, &down, 10, NULL), 0.5 / M_PI * 8 / 4, 0.005);
         assert_float_equal(rnd_scene_info(scene)->camera[0], i ? 50000.6 : 0.3, 0.01);
         assert_float_equal(rnd_scene_info(scene)->bounds[1][2], i ? 1000001.2 : 1, 0.1);

@@ -34,18 +34,18 @@ static void invisible_glass(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* A lamp behind a slab of glass in the dark: of its light all passes but what the two faces send back,
+/* An emitter behind a slab of glass in the dark: of its light all passes but what the two faces send back,
  * (1 - R) / (1 + R) with every reflection inside, R = 0.04. */
-static void lamp_behind_glass(void **state)
+static void emitter_behind_glass(void **state)
 {
     (void)state;
     char text[2000] = "mtllib behind.mtl\n";
-    files_text("behind.mtl", "newmtl m\nKd 1 1 1\nNi 1.5\nillum 7\nnewmtl lamp\nKd 0 0 0\nKe 2 2 2\n");
+    files_text("behind.mtl", "newmtl m\nKd 1 1 1\nNi 1.5\nillum 7\nnewmtl emitter\nKd 0 0 0\nKe 2 2 2\n");
     files_box(text, sizeof text, "m", (double[]){-30, -30, -4.1}, (double[]){30, 30, -4});
-    files_box(text, sizeof text, "lamp", (double[]){-30, -30, -6}, (double[]){30, 30, -5});
+    files_box(text, sizeof text, "emitter", (double[]){-30, -30, -6}, (double[]){30, 30, -5});
     struct rnd_scene *scene = files_load(files_text("behind.obj", text), NULL, NULL, (float[]){0, 0, 0});
     const struct rnd_aim ahead = files_aim(0, 0, -1);
-    assert_within("lamp behind glass", files_radiance(scene, "fv", 0, 200000, &ahead, 6, NULL),
+    assert_within("emitter behind glass", files_radiance(scene, "fv", 0, 200000, &ahead, 6, NULL),
                   2 * 0.96 / 1.04, 0.003);
     rnd_scene_destroy(scene);
 }
@@ -152,8 +152,8 @@ static void tinted_pane(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(invisible_glass),   cmocka_unit_test(metals),
-        cmocka_unit_test(lamp_behind_glass), cmocka_unit_test(pane),
+        cmocka_unit_test(invisible_glass),      cmocka_unit_test(metals),
+        cmocka_unit_test(emitter_behind_glass), cmocka_unit_test(pane),
         cmocka_unit_test(tinted_pane),
     };
     return cmocka_run_group_tests_name("renderer_glass", tests, files_setup, files_teardown);

@@ -110,9 +110,9 @@ static void environment(void **state)
 static void triangle(void **state)
 {
     (void)state;
-    files_text("t.mtl", "newmtl lamp\nKd 0 0 0\nKe 3 3 3\n");
+    files_text("t.mtl", "newmtl emitter\nKd 0 0 0\nKe 3 3 3\n");
     struct rnd_scene *scene = files_load(
-        files_text("t.obj", "mtllib t.mtl\nusemtl lamp\nv 1 2 -1\nv -1 1.5 -2\nv 0.5 3 -0.5\nf 1 2 3\n"),
+        files_text("t.obj", "mtllib t.mtl\nusemtl emitter\nv 1 2 -1\nv -1 1.5 -2\nv 0.5 3 -0.5\nf 1 2 3\n"),
         NULL, NULL, NULL);
     const double a[3] = {1, 2, -1}, b[3] = {-1, 1.5, -2}, c[3] = {0.5, 3, -0.5};
     double la = 0, lb = 0, lc = 0, ab = 0, bc = 0, ca = 0;
@@ -146,9 +146,10 @@ static void sphere_of_light(void **state)
     (void)state;
     enum { AROUND = 96, DOWN = 48 };
     static char text[400000];
-    files_text("s.mtl", "newmtl floor\nKd 0.6 0.6 0.6\nnewmtl lamp\nKd 0 0 0\nKe 5 5 5\n");
+    files_text("s.mtl", "newmtl floor\nKd 0.6 0.6 0.6\nnewmtl emitter\nKd 0 0 0\nKe 5 5 5\n");
     size_t n = (size_t)sprintf(
-        text, "mtllib s.mtl\nusemtl floor\nv -9 0 -9\nv 9 0 -9\nv 9 0 9\nv -9 0 9\nf 4 3 2 1\nusemtl lamp\n");
+        text,
+        "mtllib s.mtl\nusemtl floor\nv -9 0 -9\nv 9 0 -9\nv 9 0 9\nv -9 0 9\nf 4 3 2 1\nusemtl emitter\n");
     /* as large as makes the facets' volume that of the ball of radius 0.5 */
     const double ring = 2 * M_PI / AROUND,
                  r = 0.5 * pow(ring / sin(ring) * (M_PI / DOWN) / sin(M_PI / DOWN), 1.0 / 3);
@@ -171,19 +172,19 @@ static void sphere_of_light(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* A lamp in a closed box under the sun: who is in the box asks the lamp, who stands outside asks the sun, and
+/* An emitter in a closed box under the sun: who is in the box asks the emitter, who stands outside asks the sun, and
  * neither forgets the other. */
 static void survey(void **state)
 {
     (void)state;
     static const float sun[4] = {20, 60, 5, 0.53f}, in[3] = {0, 1, 0}, out[3] = {3, 1, 0};
     struct rnd_light_choice choice[2][3] = {0};
-    files_text("b.mtl", "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl lamp\nKd 0 0 0\nKe 3 3 3\n");
+    files_text("b.mtl", "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl emitter\nKd 0 0 0\nKe 3 3 3\n");
     struct rnd_scene *scene = files_load(
         files_text("b.obj", "mtllib b.mtl\nusemtl wall\nv -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\n"
                             "v -1 2 -1\nv 1 2 -1\nv 1 2 1\nv -1 2 1\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\n"
                             "f 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\nv -9 -0.1 -9\nv 9 -0.1 -9\nv 9 -0.1 9\n"
-                            "v -9 -0.1 9\nf 12 11 10 9\nusemtl lamp\nv -0.3 1.9 -0.3\nv 0.3 1.9 -0.3\n"
+                            "v -9 -0.1 9\nf 12 11 10 9\nusemtl emitter\nv -0.3 1.9 -0.3\nv 0.3 1.9 -0.3\n"
                             "v 0 1.9 0.3\nf 13 14 15\n"),
         NULL, sun, NULL);
     for (int threads = 1; threads <= 3; threads++) {
@@ -198,7 +199,7 @@ static void survey(void **state)
         const float *c = choice[place][0].group;
         const int near = place == 0 ? RND_LIGHT_AREA : RND_LIGHT_SUN,
                   far = place == 0 ? RND_LIGHT_SUN : RND_LIGHT_AREA;
-        print_message("%s: lamp %.3f, sun %.3f\n", place == 0 ? "inside" : "outside", c[RND_LIGHT_AREA],
+        print_message("%s: emitter %.3f, sun %.3f\n", place == 0 ? "inside" : "outside", c[RND_LIGHT_AREA],
                       c[RND_LIGHT_SUN]);
         assert_float_equal(c[near] + c[far], 1, 1e-6);
         assert_true(c[near] >= 0.89f && c[far] >= 0.09f);
@@ -237,7 +238,7 @@ static void window(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* Brightness of what lies below, and how often the first of the lamps is drawn, from that camera. */
+/* Brightness of what lies below, and how often the first of the emitters is drawn, from that camera. */
 static double below(const char *path, const float camera[3], int group, float *out_probability)
 {
     struct rnd_light_choice choice[2] = {0};
@@ -249,11 +250,11 @@ static double below(const char *path, const float camera[3], int group, float *o
                           &choice[threads - 1]);
         rnd_pool_destroy(pool);
     }
-    const struct rnd_alias *alias = choice[0].lamps[group];
+    const struct rnd_alias *alias = choice[0].emitters[group];
     double sum = 0.0;
     for (uint32_t i = 0; i < alias->count; i++) {
         sum += alias->probability[i];
-        assert_true(alias->probability[i] == choice[1].lamps[group]->probability[i]);
+        assert_true(alias->probability[i] == choice[1].emitters[group]->probability[i]);
     }
     assert_true(fabs(sum - 1.0) < 1e-4);
     *out_probability = alias->probability[0];
@@ -264,7 +265,7 @@ static double below(const char *path, const float camera[3], int group, float *o
     return radiance;
 }
 
-/* A room with a lamp, and the same room in a house of twelve: there its lamp is asked nearly as often, and
+/* A room with an emitter, and the same room in a house of twelve: there its emitter is asked nearly as often, and
  * the picture is no other. */
 static void house(void **state)
 {
@@ -274,9 +275,9 @@ static void house(void **state)
     const float camera[3] = {0, 0, 0};
     double radiance[2];
     float probability[2];
-    files_text("house.mtl", "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl lamp\nKd 0.2 0.2 0.2\nKe 3 3 3\n");
+    files_text("house.mtl", "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl emitter\nKd 0.2 0.2 0.2\nKe 3 3 3\n");
     for (int k = 0; k < 2; k++) {
-        size_t n = (size_t)sprintf(text, "mtllib house.mtl\nusemtl lamp\n");
+        size_t n = (size_t)sprintf(text, "mtllib house.mtl\nusemtl emitter\n");
         for (int x = 0; x < (k ? 12 : 1); x++)
             n += (size_t)sprintf(text + n, "v %g 0.9 -0.3\nv %g 0.9 -0.3\nv %g 0.9 0.3\nf -3 -2 -1\n",
                                  3 * x - 0.3, 3 * x + 0.3, 3.0 * x);
@@ -284,7 +285,7 @@ static void house(void **state)
             files_box(text, sizeof text, "wall", (double[]){3 * x - 1, -1, -1}, (double[]){3 * x + 1, 1, 1});
         radiance[k] = below(files_text(name[k], text), camera, RND_LIGHT_AREA, &probability[k]);
     }
-    print_message("its lamp %.3f of all in the house; floor %.5f alone, %.5f there\n", probability[1],
+    print_message("its emitter %.3f of all in the house; floor %.5f alone, %.5f there\n", probability[1],
                   radiance[0], radiance[1]);
     assert_true(probability[0] == 1.0f);
     assert_float_equal(probability[1], 0.8 + 0.2 / 12, 1e-3);

@@ -261,9 +261,9 @@ static void shared_light(void **state)
     (void)state;
     static const char nodes[] =
         "{\"mesh\":0,\"children\":[1,2]},"
-        "{\"name\":\"lamp\",\"translation\":[1,2,3],\"camera\":0,"
+        "{\"name\":\"emitter\",\"translation\":[1,2,3],\"camera\":0,"
         "\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}},"
-        "{\"name\":\"lamp\",\"translation\":[4,5,6],\"rotation\":[1,0,0,0],\"camera\":0,"
+        "{\"name\":\"emitter\",\"translation\":[4,5,6],\"rotation\":[1,0,0,0],\"camera\":0,"
         "\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}";
     static const char *const lights[] = {
         "{\"type\":\"spot\",\"intensity\":2,\"color\":[1,0.5,0.25],\"spot\":{\"outerConeAngle\":1.5}}", "",
@@ -279,7 +279,7 @@ static void shared_light(void **state)
                  "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[%s]}}",
                  lights[i]);
         const struct rnd_scene_options options = {.image_program = files_image_program(),
-                                                  .path = files_gltf("lamps.gltf", 1, nodes, "{}", more)};
+                                                  .path = files_gltf("emitters.gltf", 1, nodes, "{}", more)};
         struct rnd_scene *scene = rnd_scene_load(&options, error);
         if (wrong[i]) {
             assert_null(scene);

@@ -136,12 +136,12 @@ static void light_moves_no_sample(void **state)
     enum { W = 128, H = 64, BATCHES_EACH = 60 };
     static float samples[3][W * H];
     static const char *const modes[] = {"od", "vp", "fv", "fv-exact"};
-    files_text("speck.mtl", "newmtl dark\nKd 0 0 0\nnewmtl lamp\nKd 0 0 0\nKe 1e6 1e6 1e6\n");
+    files_text("speck.mtl", "newmtl dark\nKd 0 0 0\nnewmtl emitter\nKd 0 0 0\nKe 1e6 1e6 1e6\n");
     const char *speck = files_text("speck.obj", "mtllib speck.mtl\nusemtl dark\nv 0 -9 0\nv 1e-3 -9 0\n"
                                                 "v 0 -9 1e-3\nf 1 2 3\n");
     struct rnd_scene *scene[3] = {files_load(files_room("room.obj"), NULL, NULL, NULL)};
     scene[1] = files_load(speck, files_env("even.exr", 0.5f), NULL, (float[]){0, 0, 0});
-    const char *star = files_text("star.obj", "mtllib speck.mtl\nusemtl lamp\nv 0 -9 0\nv 1e-3 -9 0\n"
+    const char *star = files_text("star.obj", "mtllib speck.mtl\nusemtl emitter\nv 0 -9 0\nv 1e-3 -9 0\n"
                                               "v 0 -9 1e-3\nf 1 2 3\n");
     scene[2] = files_load(star, NULL, NULL, (float[]){0, 0, 0});
     for (size_t m = 0; m < sizeof modes / sizeof *modes; m += SANITIZED ? 2 : 1) {
@@ -201,10 +201,10 @@ static int render_plate(const char *name, float albedo, float *out_value)
     struct rnd_batch batch;
     int count = 0;
     snprintf(text, sizeof text,
-             "newmtl wall\nKd .5 .5 .5\nnewmtl lamp\nKd 0 0 0\nKe 9 9 9\nnewmtl plate\nKd %g %g %g\n", albedo,
-             albedo, albedo);
+             "newmtl wall\nKd .5 .5 .5\nnewmtl emitter\nKd 0 0 0\nKe 9 9 9\nnewmtl plate\nKd %g %g %g\n",
+             albedo, albedo, albedo);
     files_text("plate.mtl", text);
-    strcpy(text, "mtllib plate.mtl\nusemtl lamp\nv -.3 .5 -.3\nv .3 .5 -.3\nv 0 .5 .3\nf 1 2 3\n");
+    strcpy(text, "mtllib plate.mtl\nusemtl emitter\nv -.3 .5 -.3\nv .3 .5 -.3\nv 0 .5 .3\nf 1 2 3\n");
     files_box(text, sizeof text, "wall", (double[]){-1, -1, -1}, (double[]){1, 1, 1});
     files_box(text, sizeof text, "wall", (double[]){-.5, .4, -.5}, (double[]){.5, .45, .5});
     files_box(text, sizeof text, "plate", (double[]){-.1, -1, -.1}, (double[]){.1, -.99, .1});
