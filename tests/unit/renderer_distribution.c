@@ -251,14 +251,14 @@ struct named_aim {
 };
 
 /* The view is turned by yaw (to the left), pitch (up) and roll, degrees; the gaze is given apart. */
-static struct rnd_aim aim_of(double yaw, double pitch, double roll, double fov_x, double fov_y, double gx,
-                             double gy, double gz)
+static struct rnd_aim aim_of(double yaw, double pitch, double roll, double fov_x, double fov_y,
+                             const double gaze[3])
 {
     const double a = 0.5 * yaw * deg, b = 0.5 * pitch * deg, c = 0.5 * roll * deg,
-                 l = sqrt(gx * gx + gy * gy + gz * gz);
+                 l = sqrt(gaze[0] * gaze[0] + gaze[1] * gaze[1] + gaze[2] * gaze[2]);
     /* (0, sin a, 0, cos a) (sin b, 0, 0, cos b) (0, 0, sin c, cos c) */
     const double x = cos(a) * sin(b), y = sin(a) * cos(b), z = -sin(a) * sin(b), w = cos(a) * cos(b);
-    return (struct rnd_aim){.gaze = {(float)(gx / l), (float)(gy / l), (float)(gz / l)},
+    return (struct rnd_aim){.gaze = {(float)(gaze[0] / l), (float)(gaze[1] / l), (float)(gaze[2] / l)},
                             .view = {(float)(x * cos(c) + y * sin(c)), (float)(y * cos(c) - x * sin(c)),
                                      (float)(z * cos(c) + w * sin(c)), (float)(w * cos(c) - z * sin(c))},
                             .fov = {(float)(fov_x * deg), (float)(fov_y * deg)}};
@@ -283,19 +283,20 @@ static struct rnd_aim shown(struct rnd_aim aim, float pixels_per_degree)
 static void make_aims(struct named_aim aims[AIMS])
 {
     const struct named_aim made[AIMS] = {
-        {"forward", aim_of(0, 0, 0, 90, 90, 0, 0, -1)},
-        {"up", aim_of(0, 90, 0, 100, 80, 0, 1, 0)},
-        {"down", aim_of(0, -90, 30, 60, 110, 0, -1, 0)},
-        {"seam", aim_of(180, 0, 0, 110, 90, 0, 0, 1)},
-        {"oblique", aim_of(-70, 35, 25, 100, 60, 0.9, 0.5, -0.2)},
-        {"narrow", aim_of(155, 66, -50, 16, 7, -0.1, 0.9, 0.2)},
-        {"wide", aim_of(-170, -20, 10, 165, 140, 0.2, -0.4, 0.8)},
-        {"spread 1", spread(aim_of(20, 10, 0, 90, 90, 0.4, 0.2, -0.9), 1)},
-        {"spread 2", spread(aim_of(20, 10, 0, 90, 90, 0.4, 0.2, -0.9), 2)},
-        {"spread 4", spread(aim_of(-40, 0, 0, 90, 90, -0.9, 0.1, -0.3), 4)},
-        {"display of 12 a degree", shown(aim_of(20, 10, 0, 90, 90, 0.4, 0.2, -0.9), 12)},
-        {"display of 40, spread 2", shown(spread(aim_of(0, 80, 0, 90, 90, 0.1, 0.9, -0.1), 2), 40)},
-        {"display finer than the eye", shown(aim_of(0, 0, 0, 90, 90, 0, 0, -1), 200)},
+        {"forward", aim_of(0, 0, 0, 90, 90, (double[]){0, 0, -1})},
+        {"up", aim_of(0, 90, 0, 100, 80, (double[]){0, 1, 0})},
+        {"down", aim_of(0, -90, 30, 60, 110, (double[]){0, -1, 0})},
+        {"seam", aim_of(180, 0, 0, 110, 90, (double[]){0, 0, 1})},
+        {"oblique", aim_of(-70, 35, 25, 100, 60, (double[]){0.9, 0.5, -0.2})},
+        {"narrow", aim_of(155, 66, -50, 16, 7, (double[]){-0.1, 0.9, 0.2})},
+        {"wide", aim_of(-170, -20, 10, 165, 140, (double[]){0.2, -0.4, 0.8})},
+        {"spread 1", spread(aim_of(20, 10, 0, 90, 90, (double[]){0.4, 0.2, -0.9}), 1)},
+        {"spread 2", spread(aim_of(20, 10, 0, 90, 90, (double[]){0.4, 0.2, -0.9}), 2)},
+        {"spread 4", spread(aim_of(-40, 0, 0, 90, 90, (double[]){-0.9, 0.1, -0.3}), 4)},
+        {"display of 12 a degree", shown(aim_of(20, 10, 0, 90, 90, (double[]){0.4, 0.2, -0.9}), 12)},
+        {"display of 40, spread 2",
+         shown(spread(aim_of(0, 80, 0, 90, 90, (double[]){0.1, 0.9, -0.1}), 2), 40)},
+        {"display finer than the eye", shown(aim_of(0, 0, 0, 90, 90, (double[]){0, 0, -1}), 200)},
     };
     memcpy(aims, made, sizeof made);
 }

@@ -198,6 +198,19 @@ static void roots(void **state)
 
 /* --- tangents --- */
 
+static const struct {
+    float tangent[4]; /* zeros: none */
+    const char *scale;
+    int lean; /* to -Z 0, to +X 1, to +Z 2 */
+} LEANS[] = {
+    {{0, 0, 0, 0}, "3,1,3", 0},   {{1, 0, 0, 1}, "3,1,3", 0},   {{1, 0, 0, -1}, "3,1,3", 2},
+    {{-1, 0, 0, -1}, "3,1,3", 0}, {{0, 0, 1, 1}, "3,1,3", 1},   {{0, 0, -1, -1}, "3,1,3", 1},
+    {{1, 0, 0, 1}, "-3,1,3", 0},  {{1, 0, 0, -1}, "-3,1,3", 2}, {{1, 0, 0, 1}, "3,1,-3", 2},
+    {{1, 0, 0, 1}, "-3,1,-3", 2},
+};
+static const char *const KINDS[] = {
+    "", ",\"extensions\":{\"KHR_materials_specular\":{\"specularColorFactor\":[1,1,0.999]}}"};
+
 /* A normal map that leans up its picture, under a sun 60 degrees over +Z: where the file's tangent and its w
  * turn the lean, in the world and through instances, mirrored and not, for plain and layered materials. */
 static void tangents(void **state)
@@ -206,18 +219,6 @@ static void tangents(void **state)
     enum { MANY = 1200 };
     static const float up[12] = {0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0};
     static uint16_t many[6 * MANY];
-    static const struct {
-        float tangent[4]; /* zeros: none */
-        const char *scale;
-        int lean; /* to -Z 0, to +X 1, to +Z 2 */
-    } cases[] = {
-        {{0, 0, 0, 0}, "3,1,3", 0},   {{1, 0, 0, 1}, "3,1,3", 0},   {{1, 0, 0, -1}, "3,1,3", 2},
-        {{-1, 0, 0, -1}, "3,1,3", 0}, {{0, 0, 1, 1}, "3,1,3", 1},   {{0, 0, -1, -1}, "3,1,3", 1},
-        {{1, 0, 0, 1}, "-3,1,3", 0},  {{1, 0, 0, -1}, "-3,1,3", 2}, {{1, 0, 0, 1}, "3,1,-3", 2},
-        {{1, 0, 0, 1}, "-3,1,-3", 2},
-    };
-    static const char *const kinds[] = {
-        "", ",\"extensions\":{\"KHR_materials_specular\":{\"specularColorFactor\":[1,1,0.999]}}"};
     const struct rnd_aim down = files_aim(0, -1, 0);
     const float lean[3] = {0.5f, 0.75f, 0.9330127f}; /* 30 degrees */
     double expected[3] = {0};
@@ -225,9 +226,9 @@ static void tangents(void **state)
     for (int i = 0; i < 6 * MANY; i++) many[i] = files_two[i % 6];
     assert_true(files_image(files_path("lean.exr"), 1, 1, lean, false, error));
     for (int kind = 0; kind < 2; kind++)
-        for (size_t i = 0; i < 2 * sizeof cases / sizeof *cases; i++) {
+        for (size_t i = 0; i < 2 * sizeof LEANS / sizeof *LEANS; i++) {
             const bool instanced = i % 2;
-            const float *t = cases[i / 2].tangent;
+            const float *t = LEANS[i / 2].tangent;
             float tangent[16];
             for (int k = 0; k < 16; k++) tangent[k] = t[k % 4];
             const struct files_part parts[] = {
@@ -240,10 +241,10 @@ static void tangents(void **state)
                      "{\"children\":[1,2%s]},{\"mesh\":0,\"scale\":[%s]},{\"rotation\":[-0.5,0,0,0.8660254],"
                      "\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}},{\"mesh\":0,\"translation\":[0,"
                      "-90,0]}",
-                     instanced ? ",3" : "", cases[i / 2].scale);
+                     instanced ? ",3" : "", LEANS[i / 2].scale);
             snprintf(material, sizeof material,
                      "{\"pbrMetallicRoughness\":{\"metallicFactor\":0},\"normalTexture\":{\"index\":0}%s}",
-                     kinds[kind]);
+                     KINDS[kind]);
             const char *path = files_parts(
                 "tangent.gltf",
                 t[3] == 0 ? "{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1,\"NORMAL\":3},\"indices\":2,"
@@ -258,7 +259,7 @@ static void tangents(void **state)
             assert_int_equal(scene->instance_count, instanced ? 2 : 0);
             assert_int_equal(scene->material[0].kind, kind ? RND_RICH : RND_METAL_ROUGH);
             const double seen = files_radiance(scene, "fv", 0, 20000, &down, 10, NULL);
-            double *as = &expected[cases[i / 2].lean];
+            double *as = &expected[LEANS[i / 2].lean];
             if (*as == 0) *as = seen;
             if (!(fabs(seen / *as - 1) < 0.01))
                 fail_msg("kind %d, case %zu: %g, expected %g", kind, i, seen, *as);

@@ -224,10 +224,10 @@ static void hostile(void **state)
 
 /* --- accepted --- */
 
-static double seen_from(const char *path, const char *env, float x, float y, float z,
-                        const struct rnd_aim *aim, double cone, float rgb[3])
+static double seen_from(const char *path, float x, float y, float z, const struct rnd_aim *aim, double cone,
+                        float rgb[3])
 {
-    struct rnd_scene *scene = files_load(path, env, NULL, (float[]){x, y, z});
+    struct rnd_scene *scene = files_load(path, NULL, NULL, (float[]){x, y, z});
     const double value = files_radiance(scene, "fv", 1, 20000, aim, cone, rgb);
     rnd_scene_destroy(scene);
     return value;
@@ -245,11 +245,11 @@ static void emissive_strength(void **state)
                             files_glb("strong.glb", 10, node, strong, used)};
     for (int i = 0; i < 2; i++) {
         float rgb[3];
-        seen_from(paths[i], NULL, 0, 1, 0, &down, 40, rgb);
+        seen_from(paths[i], 0, 1, 0, &down, 40, rgb);
         assert_float_equal(rgb[0], 4, 1e-4);
         assert_float_equal(rgb[1], 2, 1e-4);
         assert_float_equal(rgb[2], 8, 1e-4);
-        assert_true(seen_from(paths[i], NULL, 0, -1, 0, &up, 40, NULL) == 0.0); /* one side alone shines */
+        assert_true(seen_from(paths[i], 0, -1, 0, &up, 40, NULL) == 0.0); /* one side alone shines */
     }
 }
 
@@ -274,8 +274,8 @@ static void transforms(void **state)
     const struct rnd_aim down = files_aim(0, -1, 0), up = files_aim(0, 1, 0);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const char *path = files_gltf("turned.gltf", 10, cases[i].nodes, shining, "");
-        const double above = seen_from(path, NULL, 0, 1, 0, &down, 20, NULL),
-                     below = seen_from(path, NULL, 0, -1, 0, &up, 20, NULL);
+        const double above = seen_from(path, 0, 1, 0, &down, 20, NULL),
+                     below = seen_from(path, 0, -1, 0, &up, 20, NULL);
         assert_float_equal(above, cases[i].up ? 1 : 0, 1e-5);
         assert_float_equal(below, cases[i].up ? 0 : 1, 1e-5);
     }
@@ -365,7 +365,7 @@ static void assert_quarters(const char *path, double tolerance)
         const int right = i & 1, below = i >> 1;
         const struct rnd_aim aim = files_aim(right ? 1 : -1, -2, below ? 1 : -1);
         float rgb[3];
-        seen_from(path, NULL, 0, 2, 0, &aim, 12, rgb);
+        seen_from(path, 0, 2, 0, &aim, 12, rgb);
         assert_float_equal(rgb[0], right == below, tolerance);
         assert_float_equal(rgb[1], right, tolerance);
         assert_float_equal(rgb[2], below, tolerance);

@@ -66,70 +66,71 @@ static struct rnd_scene *boxes(const struct box *box, int count, const char *env
     return scene;
 }
 
+static const struct {
+    const char *name;
+    int count;
+    struct box box[MOST_BOXES];
+    float camera[3][3]; /* outside, and in media */
+} WORLDS[] = {
+    {"water beside glass, touching",
+     2,
+     {{GLASS CLEAR, 0, {-1, -1, -3}, {0, 1, -2}}, {WATER CLEAR, 0, {0, -1, -3}, {1, 1, -2}}},
+     {{0, 0, 0}, {-0.5f, 0.1f, -2.5f}, {0.5f, 0.1f, -2.5f}}},
+    {"water in a glass, touching",
+     6,
+     {{GLASS CLEAR, 0, {-1.1, -1, -3.1}, {-1, 1, -0.9}},
+      {GLASS CLEAR, 0, {1, -1, -3.1}, {1.1, 1, -0.9}},
+      {GLASS CLEAR, 0, {-1, -1, -3.1}, {1, 1, -3}},
+      {GLASS CLEAR, 0, {-1, -1, -1}, {1, 1, -0.9}},
+      {GLASS CLEAR, 0, {-1.1, -1.1, -3.1}, {1.1, -1, -0.9}},
+      {WATER CLEAR, 0, {-1, -1, -3}, {1, 0.8, -1}}},
+     {{0, 0.5f, 1}, {0.2f, 0.1f, -2}, {1.05f, 0.1f, -1.7f}}},
+    {"water that overlaps its glass",
+     3,
+     {{GLASS CLEAR, 0, {-1.1, -1, -3.1}, {-1, 1, -0.9}},
+      {GLASS CLEAR, 0, {-1.1, -1.1, -3.1}, {1.1, -1, -0.9}},
+      {WATER CLEAR, 0, {-1.05, -1.05, -3}, {1, 0.8, -1}}},
+     {{0, 0.5f, 1}, {0.2f, 0.1f, -2}, {-1.02f, 0.1f, -1.7f}}},
+    {"ice in water, a bubble in the ice",
+     3,
+     {{WATER CLEAR, 0, {-1, -1, -3}, {1, 1, -1}},
+      {"\"KHR_materials_ior\":{\"ior\":1.31}," CLEAR, 0, {-.6, -.6, -2.6}, {.6, 1.3, -1.4}},
+      {"\"KHR_materials_ior\":{\"ior\":1.0003}," CLEAR, 0, {-.2, -.2, -2.2}, {.2, .2, -1.8}}},
+     {{0, 0.2f, 0.5f}, {0.01f, 0.02f, -2}, {-0.8f, 0.1f, -1.7f}}},
+    {"one body in two parts",
+     2,
+     {{GLASS CLEAR, 0, {-1, -1, -3}, {0, 1, -2}}, {GLASS CLEAR, 0, {0, -1, -3}, {1, 1, -2}}},
+     {{0, 0, 0}, {-0.5f, 0.1f, -2.5f}, {0.3f, 0.1f, -1}}},
+    {"a pile that touches, far away",
+     3,
+     {{GLASS CLEAR, 0, {99, -1, -3}, {102, 0, 0}},
+      {WATER CLEAR, 0, {99, 0, -3}, {102, 1, 0}},
+      {"\"KHR_materials_ior\":{\"ior\":2.4}," CLEAR, 0, {99, 1, -3}, {102, 2, 0}}},
+     {{97, 0.5f, -1}, {100, 0.5f, -1}, {100, -0.5f, -1}}},
+};
+
 /* Whatever the order of surfaces, in a world of constant radiance clear media cannot be seen, from outside or
  * by a camera that is in one of them. */
 static void furnaces(void **state)
 {
     (void)state;
-    static const struct {
-        const char *name;
-        int count;
-        struct box box[MOST_BOXES];
-        float eyes[3][3]; /* outside, and in media */
-    } worlds[] = {
-        {"water beside glass, touching",
-         2,
-         {{GLASS CLEAR, 0, {-1, -1, -3}, {0, 1, -2}}, {WATER CLEAR, 0, {0, -1, -3}, {1, 1, -2}}},
-         {{0, 0, 0}, {-0.5f, 0.1f, -2.5f}, {0.5f, 0.1f, -2.5f}}},
-        {"water in a glass, touching",
-         6,
-         {{GLASS CLEAR, 0, {-1.1, -1, -3.1}, {-1, 1, -0.9}},
-          {GLASS CLEAR, 0, {1, -1, -3.1}, {1.1, 1, -0.9}},
-          {GLASS CLEAR, 0, {-1, -1, -3.1}, {1, 1, -3}},
-          {GLASS CLEAR, 0, {-1, -1, -1}, {1, 1, -0.9}},
-          {GLASS CLEAR, 0, {-1.1, -1.1, -3.1}, {1.1, -1, -0.9}},
-          {WATER CLEAR, 0, {-1, -1, -3}, {1, 0.8, -1}}},
-         {{0, 0.5f, 1}, {0.2f, 0.1f, -2}, {1.05f, 0.1f, -1.7f}}},
-        {"water that overlaps its glass",
-         3,
-         {{GLASS CLEAR, 0, {-1.1, -1, -3.1}, {-1, 1, -0.9}},
-          {GLASS CLEAR, 0, {-1.1, -1.1, -3.1}, {1.1, -1, -0.9}},
-          {WATER CLEAR, 0, {-1.05, -1.05, -3}, {1, 0.8, -1}}},
-         {{0, 0.5f, 1}, {0.2f, 0.1f, -2}, {-1.02f, 0.1f, -1.7f}}},
-        {"ice in water, a bubble in the ice",
-         3,
-         {{WATER CLEAR, 0, {-1, -1, -3}, {1, 1, -1}},
-          {"\"KHR_materials_ior\":{\"ior\":1.31}," CLEAR, 0, {-.6, -.6, -2.6}, {.6, 1.3, -1.4}},
-          {"\"KHR_materials_ior\":{\"ior\":1.0003}," CLEAR, 0, {-.2, -.2, -2.2}, {.2, .2, -1.8}}},
-         {{0, 0.2f, 0.5f}, {0.01f, 0.02f, -2}, {-0.8f, 0.1f, -1.7f}}},
-        {"one body in two parts",
-         2,
-         {{GLASS CLEAR, 0, {-1, -1, -3}, {0, 1, -2}}, {GLASS CLEAR, 0, {0, -1, -3}, {1, 1, -2}}},
-         {{0, 0, 0}, {-0.5f, 0.1f, -2.5f}, {0.3f, 0.1f, -1}}},
-        {"a pile that touches, far away",
-         3,
-         {{GLASS CLEAR, 0, {99, -1, -3}, {102, 0, 0}},
-          {WATER CLEAR, 0, {99, 0, -3}, {102, 1, 0}},
-          {"\"KHR_materials_ior\":{\"ior\":2.4}," CLEAR, 0, {99, 1, -3}, {102, 2, 0}}},
-         {{97, 0.5f, -1}, {100, 0.5f, -1}, {100, -0.5f, -1}}},
-    };
     static const double roughness[] = {0, 0.15, 0.5};
     char env[512];
     strcpy(env, files_env("white.exr", 1.0f));
     int wrong = 0;
-    for (size_t k = 0; k < sizeof worlds / sizeof *worlds; k++)
+    for (size_t k = 0; k < sizeof WORLDS / sizeof *WORLDS; k++)
         for (int r = 0; r < 3; r++)
             for (int e = 0; e < 3; e++) {
                 struct box box[MOST_BOXES];
-                memcpy(box, worlds[k].box, sizeof box);
-                for (int i = 0; i < worlds[k].count; i++) box[i].roughness = roughness[r];
-                struct rnd_scene *scene = boxes(box, worlds[k].count, env, worlds[k].eyes[e]);
+                memcpy(box, WORLDS[k].box, sizeof box);
+                for (int i = 0; i < WORLDS[k].count; i++) box[i].roughness = roughness[r];
+                struct rnd_scene *scene = boxes(box, WORLDS[k].count, env, WORLDS[k].camera[e]);
                 /* Light that meets every face of a smooth box at a flat angle is trapped for ever, so that
                  * from inside of one only the 20 degrees ahead are looked at. */
                 const struct rnd_aim aim = files_aim(0, 0, -1);
                 const double mean =
                     files_radiance(scene, r || !e ? "od" : "fv", 0, 70000, &aim, r || !e ? 180 : 20, NULL);
-                print_message("%-36s roughness %.2f, camera %d: %.4f\n", worlds[k].name, roughness[r], e,
+                print_message("%-36s roughness %.2f, camera %d: %.4f\n", WORLDS[k].name, roughness[r], e,
                               mean);
                 wrong += !(fabs(mean - 1) < files_off(0.01));
                 rnd_scene_destroy(scene);
