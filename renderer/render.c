@@ -32,7 +32,8 @@ struct rnd_render *rnd_render_create(const struct rnd_scene *scene, const struct
     pthread_mutex_init(&render->whole, NULL);
     render->generation = 1;
     render->image_program = rnd_image_program_share(scene->image_program);
-    if (rnd_film_init(&render->film, width, height, options->error_bar > 0.0f ? options->error_bar : 0.05f) &&
+    const float error_bar = options->error_bar > 0.0f ? options->error_bar : 0.05f;
+    if (rnd_film_init(&render->film, width, height, error_bar, row->planes) &&
         rnd_reconstructor_init(&render->reconstructor, row, &render->film) &&
         rnd_integrator_init(&render->integrator, scene, &render->film, &chosen))
         return render;

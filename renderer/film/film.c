@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool rnd_film_init(struct rnd_film *film, int width, int height, float error_bar)
+bool rnd_film_init(struct rnd_film *film, int width, int height, float error_bar, uint32_t planes)
 {
     *film = (struct rnd_film){.width = width,
                               .height = height,
@@ -22,11 +22,18 @@ bool rnd_film_init(struct rnd_film *film, int width, int height, float error_bar
     /* Fresh pages of the system cost nothing until a sample falls there. */
     film->pixels = aligned_alloc(64, tiles * sizeof *film->pixels);
     rnd_use_large_pages(film->pixels, tiles * sizeof *film->pixels);
-    if (!film->tile || !film->published || !film->weighed || !film->pixels) return false;
+    rnd_planes_init(&film->planes, planes);
+    const size_t size = rnd_planes_size(&film->planes, RND_TILE_PIXELS, RND_TILE_BLOCKS);
+    if (size > 0) film->plane_memory = calloc(tiles, size);
+    rnd_use_large_pages(film->plane_memory, tiles * size);
+    if (!film->tile || !film->published || !film->weighed || !film->pixels ||
+        (size > 0 && !film->plane_memory))
+        return false;
     for (size_t t = 0; t < tiles; t++) {
         struct rnd_film_tile *tile = &film->tile[t];
         pthread_mutex_init(&tile->lock, NULL);
         tile->pixels = &film->pixels[t];
+        if (size > 0) tile->planes = film->plane_memory + t * size;
         rnd_film_empty(film, tile, 1);
     }
     return true;
@@ -34,11 +41,11 @@ bool rnd_film_init(struct rnd_film *film, int width, int height, float error_bar
 
 void rnd_film_finish(struct rnd_film *film)
 {
-    const int tiles =
-        film->tile && film->published && film->weighed && film->pixels ? film->across * film->down : 0;
+    const int tiles = film->tile && film->tile->pixels ? film->across * film->down : 0;
     for (int t = 0; t < tiles; t++) pthread_mutex_destroy(&film->tile[t].lock);
     free(film->tile);
     free(film->pixels);
+    free(film->plane_memory);
     free(film->published);
     free(film->weighed);
     *film = (struct rnd_film){0};
@@ -95,6 +102,8 @@ void rnd_film_empty(const struct rnd_film *film, struct rnd_film_tile *tile, uin
 {
     pthread_mutex_lock(&tile->lock);
     memset(tile->block, 0, sizeof tile->block);
+    if (tile->planes && tile->state.samples > 0)
+        memset(tile->planes, 0, rnd_planes_size(&film->planes, 0, RND_TILE_BLOCKS));
     tile->state = (struct rnd_tile){
         .generation = generation, .unvisited = RND_TILE_PIXELS, .error = INFINITY, .sure_error = INFINITY};
     tile->next_judgement = 2 * RND_TILE_PIXELS;
@@ -121,6 +130,16 @@ uint32_t rnd_film_draw_listed(struct rnd_film_tile *tile, uint32_t pixel)
     return number;
 }
 
+void *rnd_film_record(const struct rnd_film *film, const struct rnd_film_tile *tile, uint32_t pixel)
+{
+    return (uint8_t *)tile->planes + rnd_planes_size(&film->planes, pixel, RND_TILE_BLOCKS);
+}
+
+float *rnd_film_plane_block(const struct rnd_film *film, const struct rnd_film_tile *tile, uint32_t block)
+{
+    return (float *)tile->planes + block * (uint32_t)film->planes.channels;
+}
+
 static void add_to_pixel(struct rnd_film_pixel *pixel, const struct rnd_sample *s)
 {
     float *mean = pixel->half[s->number & 1];
@@ -138,12 +157,17 @@ void rnd_film_spread(struct rnd_film_tile *tile)
 }
 
 /* A pixel of a tile whose paths are still listed, as it will be among the pixels. */
-struct rnd_film_pixel rnd_film_listed(const struct rnd_film_tile *tile, uint32_t i)
+static struct rnd_film_pixel listed(const struct rnd_film_tile *tile, uint32_t i)
 {
     struct rnd_film_pixel pixel = {0};
     for (uint32_t k = 0; k < tile->listed; k++)
         if (tile->list[k].pixel == i) add_to_pixel(&pixel, &tile->list[k]);
     return pixel;
+}
+
+struct rnd_film_pixel rnd_film_pixel_at(const struct rnd_film_tile *tile, uint32_t i)
+{
+    return tile->spread ? tile->pixels->pixel[i] : listed(tile, i);
 }
 
 /* Mean radiance of a pixel, 0 without a path, and how many paths there are. */
@@ -156,13 +180,17 @@ uint32_t rnd_film_mean(const struct rnd_film_pixel *pixel, float out_mean[3])
     return n;
 }
 
+static uint32_t block_of(uint32_t pixel)
+{
+    const uint32_t x = pixel % RND_TILE, y = pixel / RND_TILE;
+    return y / RND_BLOCK * (RND_TILE / RND_BLOCK) + x / RND_BLOCK;
+}
+
 static void add(struct rnd_film_tile *tile, const struct rnd_sample *s)
 {
-    const uint32_t x = s->pixel % RND_TILE, y = s->pixel / RND_TILE;
-    struct rnd_film_block *block = &tile->block[y / RND_BLOCK * (RND_TILE / RND_BLOCK) + x / RND_BLOCK];
+    struct rnd_film_block *block = &tile->block[block_of(s->pixel)];
     float mean[3];
-    const struct rnd_film_pixel pixel =
-        tile->spread ? tile->pixels->pixel[s->pixel] : rnd_film_listed(tile, s->pixel);
+    const struct rnd_film_pixel pixel = rnd_film_pixel_at(tile, s->pixel);
     const uint32_t n = rnd_film_mean(&pixel, mean);
     const double share = 1.0 / (double)(n + 1);
     for (int c = 0; c < 3; c++) block->light[c] += ((double)s->rgb[c] - (double)mean[c]) * share;
@@ -176,16 +204,28 @@ static void add(struct rnd_film_tile *tile, const struct rnd_sample *s)
         tile->list[tile->listed++] = *s;
 }
 
+/* Before its radiance is added: the number of the pixel's paths counts for both. */
+static void add_planes(const struct rnd_film *film, struct rnd_film_tile *tile, uint32_t i,
+                       const float *values)
+{
+    const struct rnd_film_pixel pixel = rnd_film_pixel_at(tile, i);
+    rnd_planes_add(&film->planes, rnd_film_record(film, tile, i),
+                   rnd_film_plane_block(film, tile, block_of(i)), pixel.count[0] + pixel.count[1], values);
+}
+
 void rnd_film_add(const struct rnd_film *film, struct rnd_film_tile *tile, const struct rnd_sample *samples,
-                  uint32_t count, const struct rnd_aim *aim, uint64_t now_ns)
+                  const float *planes, uint32_t count, const struct rnd_aim *aim, uint64_t now_ns)
 {
     uint32_t added = 0;
     for (uint32_t i = 0; i < count; i++) added += samples[i].pixel != RND_TILE_PIXELS;
     if (added == 0) return; /* and the tile does not answer this aim */
     pthread_mutex_lock(&tile->lock);
     if (!tile->spread && tile->listed + added > RND_FEW) rnd_film_spread(tile);
-    for (uint32_t i = 0; i < count; i++)
-        if (samples[i].pixel != RND_TILE_PIXELS) add(tile, &samples[i]);
+    for (uint32_t i = 0; i < count; i++) {
+        if (samples[i].pixel == RND_TILE_PIXELS) continue;
+        if (planes) add_planes(film, tile, samples[i].pixel, planes + i * (size_t)film->planes.channels);
+        add(tile, &samples[i]);
+    }
     tile->state.samples += added;
     tile->state.gaze_sequence = aim->sequence;
     tile->state.gaze_ns = aim->time_ns;

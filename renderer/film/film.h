@@ -4,8 +4,8 @@
 
 #include "film/tile.h"
 
-/* False if memory is short; finish it in any case. */
-bool rnd_film_init(struct rnd_film *film, int width, int height, float error_bar);
+/* planes: the set of those that it keeps. False if memory is short; finish it in any case. */
+bool rnd_film_init(struct rnd_film *film, int width, int height, float error_bar, uint32_t planes);
 void rnd_film_finish(struct rnd_film *film);
 /* Take all paths out of a tile: it is as at first, but of that generation. */
 void rnd_film_empty(const struct rnd_film *film, struct rnd_film_tile *tile, uint32_t generation);
@@ -17,9 +17,10 @@ static inline uint32_t rnd_film_draw(struct rnd_film_tile *tile, uint32_t pixel)
     return tile->drawn > RND_FEW ? tile->pixels->drawn[pixel]++ : rnd_film_draw_listed(tile, pixel);
 }
 
-/* Add samples to a tile; aim and now_ns are what it remembers as its newest batch. */
+/* Add samples to a tile, with the values of the film's planes (film->planes.channels for each sample; NULL if it
+ * has none). The tile remembers aim and now_ns as those of its newest batch. */
 void rnd_film_add(const struct rnd_film *film, struct rnd_film_tile *tile, const struct rnd_sample *samples,
-                  uint32_t count, const struct rnd_aim *aim, uint64_t now_ns);
+                  const float *planes, uint32_t count, const struct rnd_aim *aim, uint64_t now_ns);
 
 /* Update tiles, laid out row by row: write those that changed since the last call. Returns their number;
  * their indices go to out_index, which has room for all. For one thread. */
@@ -31,8 +32,11 @@ void rnd_film_state(const struct rnd_film_tile *tile, struct rnd_tile *out_state
 void rnd_film_spread(struct rnd_film_tile *tile);
 /* Of such a pixel, its paths and the mean of its halves. Returns how many paths. */
 uint32_t rnd_film_mean(const struct rnd_film_pixel *pixel, float out_mean[3]);
-/* The pixel i of a tile whose paths are in its list. */
-struct rnd_film_pixel rnd_film_listed(const struct rnd_film_tile *tile, uint32_t i);
+/* Pixel i of a tile, wherever its paths are. */
+struct rnd_film_pixel rnd_film_pixel_at(const struct rnd_film_tile *tile, uint32_t i);
+/* In a film with planes: the record of a pixel, and the floats of a block. */
+void *rnd_film_record(const struct rnd_film *film, const struct rnd_film_tile *tile, uint32_t pixel);
+float *rnd_film_plane_block(const struct rnd_film *film, const struct rnd_film_tile *tile, uint32_t block);
 
 /* The whole film: see rnd_render_resolve(). */
 void rnd_film_resolve(const struct rnd_film *film, float *out_rgb, float *out_samples, float *out_error);

@@ -54,7 +54,7 @@ static void add_listed(const struct rnd_film_tile *tile, int scale, int left, in
         float mean[3];
         if (seen[pixel]) continue;
         seen[pixel] = true;
-        const struct rnd_film_pixel whole = rnd_film_listed(tile, pixel);
+        const struct rnd_film_pixel whole = rnd_film_pixel_at(tile, pixel);
         const uint32_t n = rnd_film_mean(&whole, mean);
         const int x = (int)pixel % RND_TILE, y = (int)pixel / RND_TILE;
         add_part(&sums->pixel[(top + y / scale) * RND_TILE + left + x / scale], mean, (float)n,
@@ -85,6 +85,43 @@ static void add_tile(const struct rnd_film_tile *tile, int scale, int left, int 
         }
     }
 }
+
+/* --- planes --- */
+
+static bool has_paths(const struct rnd_film_tile *tile, uint32_t pixel)
+{
+    const struct rnd_film_pixel found = rnd_film_pixel_at(tile, pixel);
+    return found.count[0] + found.count[1] > 0;
+}
+
+/* Add the planes of a level-0 tile, as add_tile() does. */
+static void add_planes(const struct rnd_film *film, const struct rnd_film_tile *tile, int scale, int left,
+                       int top, float *planes)
+{
+    const struct rnd_planes *kept = &film->planes;
+    const int side = scale >= RND_BLOCK ? RND_TILE / RND_BLOCK : RND_TILE,
+              per = scale >= RND_BLOCK ? scale / RND_BLOCK : scale;
+    for (int i = 0; i < side * side; i++) {
+        const int to = (top + i / side / per) * RND_TILE + left + i % side / per;
+        float *sum = planes + (size_t)to * (size_t)kept->channels;
+        if (scale >= RND_BLOCK) {
+            const uint32_t visited = tile->block[i].visited;
+            if (visited > 0)
+                rnd_planes_sum_block(kept, rnd_film_plane_block(film, tile, (uint32_t)i), visited, sum);
+        } else if (has_paths(tile, (uint32_t)i)) {
+            rnd_planes_sum(kept, rnd_film_record(film, tile, (uint32_t)i), sum);
+        }
+    }
+}
+
+static void divide_planes(const struct rnd_film *film, const struct rnd_sums *sums, float *planes)
+{
+    for (int i = 0; i < RND_TILE_PIXELS; i++)
+        if (sums->pixel[i].area > 0.0f)
+            rnd_planes_divide(&film->planes, sums->pixel[i].area, planes + i * film->planes.channels);
+}
+
+/* --- a tile of a level --- */
 
 static void merge_state(struct rnd_tile *to, const struct rnd_tile *from, bool first)
 {
@@ -117,12 +154,13 @@ static bool lock_soon(struct rnd_film_tile *tile)
 }
 
 bool rnd_film_sums(const struct rnd_film *film, int level, int x, int y, struct rnd_sums *out_sums,
-                   struct rnd_tile *out_state)
+                   float *out_planes, struct rnd_tile *out_state)
 {
     const int span =
         1 << level; /* level-0 tiles a side; from level 7 on, each is less than a pixel of the sums */
     struct rnd_tile state = {0};
     memset(out_sums, 0, sizeof *out_sums);
+    if (out_planes) memset(out_planes, 0, RND_TILE_PIXELS * film->planes.channels * sizeof *out_planes);
     bool whole = true; /* and not emptied or written in part meanwhile */
     for (int i = 0; i < span * span; i++) {
         const int dx = i % span, dy = i / span;
@@ -130,7 +168,9 @@ bool rnd_film_sums(const struct rnd_film *film, int level, int x, int y, struct 
         struct rnd_tile part;
         if (whole && lock_soon(tile)) {
             part = tile->state;
-            if (part.samples > 0) add_tile(tile, span, dx * RND_TILE / span, dy * RND_TILE / span, out_sums);
+            const int left = dx * RND_TILE / span, top = dy * RND_TILE / span;
+            if (part.samples > 0) add_tile(tile, span, left, top, out_sums);
+            if (part.samples > 0 && out_planes) add_planes(film, tile, span, left, top, out_planes);
             pthread_mutex_unlock(&tile->lock);
         } else {
             rnd_film_state(tile, &part);
@@ -139,6 +179,7 @@ bool rnd_film_sums(const struct rnd_film *film, int level, int x, int y, struct 
         merge_state(&state, &part, i == 0);
         whole = whole && part.generation == state.generation;
     }
+    if (whole && out_planes) divide_planes(film, out_sums, out_planes);
     state.luminance /= (float)(span * span);
     *out_state = state;
     return whole;

@@ -11,6 +11,7 @@
 #ifndef FOVEAD_RENDERER_TILE_H
 #define FOVEAD_RENDERER_TILE_H
 
+#include "film/planes.h"
 #include "renderer.h"
 
 #include <pthread.h>
@@ -63,6 +64,7 @@ struct rnd_film_tile {
     uint32_t listed;         /* of the list: */
     struct rnd_sample list[RND_FEW]; /* all its paths, in the order in which they were added */
     struct rnd_film_pixels *pixels;  /* without meaning before they are in use */
+    void *planes;                    /* as film/planes.h has it; NULL: the film has none */
     struct rnd_film_block block[RND_TILE_BLOCKS];
 
     /* The state as it was published last, in the half that the turn names; the next one goes to the other. */
@@ -88,6 +90,8 @@ struct rnd_film {
     float error_bar;
     struct rnd_film_tile *tile;     /* row by row */
     struct rnd_film_pixels *pixels; /* theirs, in the same order */
+    struct rnd_planes planes;       /* that it keeps beside radiance */
+    uint8_t *plane_memory;          /* of its tiles, in the same order; NULL: no planes */
     _Atomic uint64_t
         *published; /* a bit for each tile: it was, and rnd_render_published() has not told so yet */
     /* Of the picture as a whole, by rnd_film_survey(); it changes between batches only. */

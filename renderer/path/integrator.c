@@ -73,6 +73,8 @@ static void trace_wave(struct rnd_integrator *integrator, struct rnd_worker *wor
             io->number[i] = sample->number;
         }
     }
+    if (integrator->places.planes)
+        io->plane_values = integrator->places.planes + (size_t)first * (size_t)io->planes->channels;
     worker->rays += rnd_trace(worker->tracer, &integrator->camera, integrator->media, io, count);
     worker->traced += count;
     for (uint32_t i = 0; i < count; i++) {
@@ -98,8 +100,11 @@ static void finish_part(const struct work *work, struct rnd_worker *worker, uint
     for (uint32_t r = integrator->places.run_of[first]; r <= integrator->places.run_of[end - 1]; r++) {
         struct rnd_run *run = &integrator->places.run[r];
         if (atomic_fetch_sub_explicit(&run->left, 1, memory_order_acq_rel) != 1) continue;
-        rnd_film_add(integrator->film, &integrator->film->tile[run->tile],
-                     integrator->places.sample + run->first, run->end - run->first, work->aim, work->now_ns);
+        const struct rnd_film *film = integrator->film;
+        const float *planes = integrator->places.planes;
+        if (planes) planes += (size_t)run->first * (size_t)film->planes.channels;
+        rnd_film_add(film, &film->tile[run->tile], integrator->places.sample + run->first, planes,
+                     run->end - run->first, work->aim, work->now_ns);
     }
     worker->film_ns += now_ns() - start;
 }
@@ -296,10 +301,12 @@ bool rnd_integrator_init(struct rnd_integrator *integrator, const struct rnd_sce
     integrator->pool = rnd_pool_create(options->threads);
     bool ok = rnd_places_init(&integrator->places, film, options->distribution, seed) && integrator->worker &&
               integrator->pool;
-    for (size_t i = 0; ok && i < workers; i++)
+    for (size_t i = 0; ok && i < workers; i++) {
+        integrator->worker[i].io.planes = &film->planes;
         ok = (integrator->worker[i].tracer =
                   rnd_tracer_create(scene, &integrator->choice, options->max_bounces, options->firefly,
                                     film->width, seed)) != NULL;
+    }
     if (ok) go_to(integrator, scene, scene->info.camera);
     return ok;
 }

@@ -188,12 +188,18 @@ bool rnd_places_init(struct rnd_places *places, const struct rnd_film *film,
     return places->start;
 }
 
-void rnd_places_finish(struct rnd_places *places)
+static void free_paths(struct rnd_places *places)
 {
     free(places->pixel);
     free(places->sample);
+    free(places->planes);
     free(places->run_of);
     free(places->run);
+}
+
+void rnd_places_finish(struct rnd_places *places)
+{
+    free_paths(places);
     free(places->start);
 }
 
@@ -201,15 +207,15 @@ bool rnd_places_reserve(struct rnd_places *places, uint32_t paths)
 {
     if (paths <= places->capacity) return true;
     const size_t tiles = (size_t)places->film->across * (size_t)places->film->down;
-    free(places->pixel);
-    free(places->sample);
-    free(places->run_of);
-    free(places->run);
+    const size_t channels = (size_t)places->film->planes.channels;
+    free_paths(places);
     places->pixel = malloc(paths * sizeof *places->pixel);
     places->sample = malloc(paths * sizeof *places->sample);
+    places->planes = channels > 0 ? malloc(paths * channels * sizeof *places->planes) : NULL;
     places->run_of = malloc(paths * sizeof *places->run_of);
     places->run = malloc((tiles < paths ? tiles : paths) * sizeof *places->run);
-    const bool ok = places->pixel && places->sample && places->run_of && places->run;
+    const bool ok =
+        places->pixel && places->sample && places->run_of && places->run && (channels == 0 || places->planes);
     places->capacity = ok ? paths : 0;
     return ok;
 }

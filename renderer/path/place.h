@@ -24,6 +24,7 @@ struct rnd_places {
     float grid;                /* cells of positions along a side of the unit square */
     uint32_t *pixel;           /* of paths as drawn: tile * RND_TILE_PIXELS + pixel within it */
     struct rnd_sample *sample; /* of paths by tile, first drawn first */
+    float *planes;             /* values of the film's planes, of each of them; NULL: it has none */
     uint32_t *run_of;          /* which run each of them is in */
     struct rnd_run *run;       /* tiles of them at most */
     uint32_t runs;

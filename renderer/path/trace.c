@@ -6,6 +6,7 @@
 #include "path/scatter.h"
 #include "path/start.h"
 #include "path/surface.h"
+#include "path/visible.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -116,7 +117,9 @@ uint64_t rnd_trace(struct rnd_tracer *tracer, const struct rnd_camera *camera, r
         rnd_intersect(tracer, &tracer->paths[0], count, tracer->depth == 0);
         if (tracer->depth == 0 && tracer->scene->one_sided) rnd_pass_backs(tracer, &tracer->paths[0], count);
         book(tracer, RND_STAGE_RAYS, &last_ns);
+        const uint32_t paths = count;
         count = stages->surface(tracer, count);
+        if (tracer->depth == 0 && io->plane_values) rnd_visible(tracer, paths, count);
         stages->emission(tracer, count);
         book(tracer, RND_STAGE_SURFACE, &last_ns);
         if (rnd_is_last(tracer)) break;

@@ -4,6 +4,8 @@
 
 #include <stdint.h>
 
+struct rnd_planes;
+
 enum {
     RND_WAVE = 512, /* most paths of a wave */
 };
@@ -16,6 +18,8 @@ struct rnd_wave_io {
     uint32_t x[RND_WAVE], y[RND_WAVE]; /* pixel of the film */
     uint32_t number[RND_WAVE];         /* of the pixel's paths, this is which */
     float radiance[3][RND_WAVE];
+    const struct rnd_planes *planes; /* what the film keeps of the first surfaces */
+    float *plane_values;             /* planes->channels of each path; NULL: it keeps nothing of them */
 };
 
 #endif

@@ -21,13 +21,28 @@ void rnd_reconstructor_finish(struct rnd_reconstructor *reconstructor)
     *reconstructor = (struct rnd_reconstructor){0};
 }
 
-/* --- windows with a margin --- */
+/* --- windows of more than a tile's radiance --- */
 
-/* A window, and room for one of its tiles. */
+/* Memory of a window, and of the tile of it that is being read. */
 struct room {
     struct rnd_sums sums;
+    float *tile_values; /* the tile's planes; NULL: none are asked for */
+    float *values;      /* as the window has them */
     struct rnd_sum pixel[];
 };
+
+/* NULL if memory is short. */
+static struct room *make_room(const struct rnd_reconstructor *reconstructor, const struct rnd_window *window)
+{
+    const size_t pixels = (size_t)window->side * (size_t)window->side,
+                 channels = (size_t)reconstructor->film->planes.channels,
+                 values = channels * (pixels + RND_TILE_PIXELS);
+    struct room *room = malloc(sizeof *room + pixels * sizeof *room->pixel + values * sizeof *room->values);
+    if (!room) return NULL;
+    room->values = (float *)(room->pixel + pixels);
+    room->tile_values = channels > 0 ? room->values + channels * pixels : NULL;
+    return room;
+}
 
 /* Where a level's picture of width x height pixels goes on beyond its edges: (x, y), which is at most the
  * height away from it, becomes a pixel of the picture. */
@@ -40,16 +55,15 @@ static void wrap(int width, int height, int *x, int *y)
     *x = (*x + 2 * width) % width;
 }
 
-/* Copy the part of a window that lies dx tiles to the right and dy tiles below its own tile. All of it is of one
+/* Read the part of a window that lies dx tiles to the right of its own tile and dy below. All of it is of one
  * tile, since pictures are an even number of tiles across. False if that tile cannot be read, or is of another
  * generation. */
-static bool take(const struct rnd_reconstructor *reconstructor, const struct rnd_window *window, int dx,
-                 int dy, struct rnd_tile *state, struct room *room)
+static bool read_part(const struct rnd_reconstructor *reconstructor, const struct rnd_window *window, int dx,
+                      int dy, struct room *room, struct rnd_tile *state)
 {
     const struct rnd_film *film = reconstructor->film;
     const int radius = reconstructor->row->radius, width = film->width >> window->level,
-              height = film->height >> window->level;
-    /* of the tile's edges, those that are in the window, from its corner */
+              height = film->height >> window->level, channels = film->planes.channels;
     const int left = dx < 0 ? 0 : radius + dx * RND_TILE, top = dy < 0 ? 0 : radius + dy * RND_TILE,
               right = dx > 0 ? window->side : radius + (dx + 1) * RND_TILE,
               bottom = dy > 0 ? window->side : radius + (dy + 1) * RND_TILE;
@@ -57,31 +71,36 @@ static bool take(const struct rnd_reconstructor *reconstructor, const struct rnd
     struct rnd_tile other;
     int x = first_x + left, y = first_y + top;
     wrap(width, height, &x, &y);
-    if (!rnd_film_sums(film, window->level, x / RND_TILE, y / RND_TILE, &room->sums, &other)) return false;
+    const bool whole = rnd_film_sums(film, window->level, x / RND_TILE, y / RND_TILE, &room->sums,
+                                     room->tile_values, &other);
     if (dx == 0 && dy == 0) *state = other;
-    if (other.generation != state->generation) return false;
-    for (int to_y = top; to_y < bottom; to_y++)
-        for (int to_x = left; to_x < right; to_x++) {
-            x = first_x + to_x;
-            y = first_y + to_y;
-            wrap(width, height, &x, &y);
-            room->pixel[to_y * window->side + to_x] =
-                room->sums.pixel[y % RND_TILE * RND_TILE + x % RND_TILE];
-        }
+    if (!whole || other.generation != state->generation) return false;
+    for (int i = 0; i < (right - left) * (bottom - top); i++) {
+        const int to_x = left + i % (right - left), to_y = top + i / (right - left),
+                  to = to_y * window->side + to_x;
+        x = first_x + to_x;
+        y = first_y + to_y;
+        wrap(width, height, &x, &y);
+        const int from = y % RND_TILE * RND_TILE + x % RND_TILE;
+        room->pixel[to] = room->sums.pixel[from];
+        if (room->tile_values)
+            memcpy(room->values + to * channels, room->tile_values + from * channels,
+                   (size_t)channels * sizeof *room->values);
+    }
     return true;
 }
 
-static bool with_margin(const struct rnd_reconstructor *reconstructor, struct rnd_window *window,
-                        float *out_rgb, struct rnd_tile *out_state)
+static bool run_large(const struct rnd_reconstructor *reconstructor, struct rnd_window *window,
+                      float *out_rgb, struct rnd_tile *out_state)
 {
-    const size_t pixels = (size_t)window->side * (size_t)window->side;
-    struct room *room = malloc(sizeof *room + pixels * sizeof *room->pixel);
+    struct room *room = make_room(reconstructor, window);
     *out_state = (struct rnd_tile){0};
-    bool whole = room && take(reconstructor, window, 0, 0, out_state, room);
-    for (int i = 0; whole && i < 9; i++)
-        if (i != 4) whole = take(reconstructor, window, i % 3 - 1, i / 3 - 1, out_state, room);
+    bool whole = room && read_part(reconstructor, window, 0, 0, room, out_state);
+    for (int i = 0; whole && reconstructor->row->radius > 0 && i < 9; i++)
+        if (i != 4) whole = read_part(reconstructor, window, i % 3 - 1, i / 3 - 1, room, out_state);
     if (whole) {
         window->pixel = room->pixel;
+        window->values = room->values;
         whole = reconstructor->row->run(reconstructor->memory, window, out_rgb);
     }
     free(room);
@@ -92,10 +111,15 @@ bool rnd_reconstruct(const struct rnd_reconstructor *reconstructor, int level, i
                      struct rnd_tile *out_state)
 {
     const struct rnd_reconstruction *row = reconstructor->row;
+    const struct rnd_film *film = reconstructor->film;
     struct rnd_sums sums;
-    struct rnd_window window = {
-        .level = level, .x = x, .y = y, .side = RND_TILE + 2 * row->radius, .pixel = sums.pixel};
-    if (row->radius > 0) return with_margin(reconstructor, &window, out_rgb, out_state);
-    return rnd_film_sums(reconstructor->film, level, x, y, &sums, out_state) &&
+    struct rnd_window window = {.level = level,
+                                .x = x,
+                                .y = y,
+                                .side = RND_TILE + 2 * row->radius,
+                                .pixel = sums.pixel,
+                                .planes = &film->planes};
+    if (row->radius > 0 || row->planes) return run_large(reconstructor, &window, out_rgb, out_state);
+    return rnd_film_sums(film, level, x, y, &sums, NULL, out_state) &&
            row->run(reconstructor->memory, &window, out_rgb);
 }

@@ -10,13 +10,24 @@ struct rnd_window {
     int level, x, y;             /* the tile */
     int side;                    /* pixels: RND_TILE, and the radius twice */
     const struct rnd_sum *pixel; /* side x side, row by row */
+    /* The planes that the row asks for, pixel by pixel: see rnd_window_plane(). */
+    const struct rnd_planes *planes;
+    const float *values;
 };
+
+/* The channels of a plane at pixel i of a window: means over the parts of its area that have paths; 0 where none
+ * has. The row asks for that plane. */
+static inline const float *rnd_window_plane(const struct rnd_window *window, enum rnd_plane_id plane, int i)
+{
+    return window->values + i * window->planes->channels + window->planes->first[plane];
+}
 
 /* A way to show a film. It is consistent: what it shows of a pixel goes to the pixel's mean as paths grow. */
 struct rnd_reconstruction {
     const char *name;    /* as an option names it */
     const char *summary; /* half a line */
     const char *source;  /* author, year */
+    uint32_t planes;     /* that it needs: a set, RND_PLANE(ALBEDO) | ... (film/planes.h) */
     int radius;          /* pixels that it looks at beyond a tile, at every level: 0 to RND_TILE */
     /* Prepare for a film of that many pixels: *out_memory is for the calls below. False if memory is short.
      * NULL: the row needs no memory. */

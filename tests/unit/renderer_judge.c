@@ -40,7 +40,7 @@ static void add_rounds(struct rnd_film *film, world look, double scale, int roun
                 const float value = (float)(scale * look(x, y, random));
                 samples[i] = (struct rnd_sample){pixel, rnd_film_draw(tile, pixel), {value, value, value}};
             }
-            rnd_film_add(film, tile, samples, TILE_PATHS * COUNT, &aim, 1);
+            rnd_film_add(film, tile, samples, NULL, TILE_PATHS * COUNT, &aim, 1);
             film->paths += TILE_PATHS * COUNT;
         }
         if (film->paths >= film->next_survey) rnd_film_survey(film);
@@ -50,7 +50,7 @@ static void add_rounds(struct rnd_film *film, world look, double scale, int roun
 static void begin(struct rnd_render *render, int width)
 {
     *render = (struct rnd_render){0};
-    assert_true(rnd_film_init(&render->film, width, width / 2, 0.05f));
+    assert_true(rnd_film_init(&render->film, width, width / 2, 0.05f, 0));
     assert_true(rnd_reconstructor_init(&render->reconstructor, rnd_reconstruction_at(0), &render->film));
 }
 
@@ -188,7 +188,7 @@ static void many_paths(void **state)
             const uint32_t k = i % 64, pixel = k / 8 * SIDE + k % 8;
             samples[i] = (struct rnd_sample){pixel, (first + i) / 64, {0.3f, 0.3f, 0.3f}};
         }
-        rnd_film_add(&render.film, tile, samples, CHUNK, &aim, 1);
+        rnd_film_add(&render.film, tile, samples, NULL, CHUNK, &aim, 1);
     }
     for (int level = 0; level < 4; level++) {
         assert_true(rnd_render_read(&render, level, 0, 0, rgb, NULL));
@@ -217,7 +217,7 @@ static void area_counts(void **state)
                 for (uint32_t k = 0; k < (dark ? 8 : 1); k++)
                     samples[n++] = (struct rnd_sample){i, k, {!dark, !dark, !dark}};
             }
-            rnd_film_add(&render.film, &render.film.tile[t], samples, n, &aim, 1);
+            rnd_film_add(&render.film, &render.film.tile[t], samples, NULL, n, &aim, 1);
         }
         for (int level = 0; level < 4; level++) {
             double mean = 0;
@@ -310,7 +310,7 @@ static void rare_light_shown(void **state)
                     samples[i] = (struct rnd_sample){i, (uint32_t)paths - 1, {v, v, v}};
                     found[(uint32_t)t * COUNT + i] += v;
                 }
-                rnd_film_add(&render.film, &render.film.tile[t], samples, COUNT, &aim, 1);
+                rnd_film_add(&render.film, &render.film.tile[t], samples, NULL, COUNT, &aim, 1);
                 assert_true(rnd_render_read(&render, 0, t, 0, rgb, NULL));
                 for (int i = 0; i < COUNT; i++) {
                     assert_true(rgb[3 * i] >= 0.0f);

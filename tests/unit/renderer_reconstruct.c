@@ -128,7 +128,7 @@ static void fill(struct rnd_film *film)
             samples[i] = (struct rnd_sample){
                 pixel, rnd_film_draw(&film->tile[t], pixel), {(float)rgb[0], (float)rgb[1], (float)rgb[2]}};
         }
-        rnd_film_add(film, &film->tile[t], samples, 2 * RND_TILE_PIXELS, &aim, 1);
+        rnd_film_add(film, &film->tile[t], samples, NULL, 2 * RND_TILE_PIXELS, &aim, 1);
     }
 }
 
@@ -161,7 +161,7 @@ static void neighbours(void **state)
     struct rnd_reconstructor reconstructor;
     struct rnd_film film;
     struct rnd_tile tile;
-    assert_true(rnd_film_init(&film, WIDTH, HEIGHT, 0.05f));
+    assert_true(rnd_film_init(&film, WIDTH, HEIGHT, 0.05f, 0));
     fill(&film);
     assert_true(rnd_reconstructor_init(&reconstructor, &row, &film));
     for (int level = 0; level < 3; level++)
