@@ -46,9 +46,12 @@ static void describe(struct replay *replay, const char *path)
     char rate[32] = "";
     if (replay->rate.hz > 0) snprintf(rate, sizeof rate, ", %.0f Hz", replay->rate.hz);
     const bool head = trk_log_seen(log) & TRK_HEAD;
-    snprintf(replay->source.description, sizeof replay->source.description,
-             "replay of %.200s: %zu samples, %.1f s%s, %s%s%.250s", path, log->count, seconds, rate,
-             head ? "head pose" : "no head pose", *log->assumed ? "; assumed: " : "", log->assumed);
+    char *text = replay->source.description;
+    const size_t size = sizeof replay->source.description;
+    const int length = snprintf(text, size, "replay of %.200s: %zu samples, %.1f s%s, %s", path, log->count,
+                                seconds, rate, head ? "head pose" : "no head pose");
+    if (*log->assumed && length > 0 && (size_t)length < size)
+        snprintf(text + length, size - (size_t)length, "; assumed: %.250s", log->assumed);
 }
 
 static void replay_close(struct trk_source *source)
