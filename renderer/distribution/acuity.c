@@ -18,7 +18,7 @@ float rnd_acuity(float eccentricity_deg)
     return eccentricity_deg <= (float)RND_FOVEA_DEG ? 1.0f : 7.49f / (y * y);
 }
 
-/* 1/y + ln y, y = 0.3 e + 1: the integral of e m(e) outside the fovea but for its scale. */
+/* 1/y + ln y, y = 0.3 e + 1: the integral of e m(e) outside the fovea, up to a factor. */
 static double outer_integral(double y)
 {
     return 1.0 / y + log(y);

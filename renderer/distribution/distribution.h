@@ -1,4 +1,4 @@
-/* One file a way to place samples; the table of them is in table.c. */
+/* The distributions, one per file. table.c has the table. */
 #ifndef FOVEAD_RENDERER_DISTRIBUTION_H
 #define FOVEAD_RENDERER_DISTRIBUTION_H
 

@@ -11,15 +11,15 @@
 
 static const float deg = (float)(M_PI / 180.0);
 
-/* A fovea s times as wide has the density g(e / s) on 0..80 degrees: with t = e / s that is the usual one on
- * 0..80 / s, so the inversion serves it too, when its argument keeps to the share of u that lies there. */
+/* A fovea that is s times as wide has the density g(e / s) on 0..80 degrees. With t = e / s that is the usual
+ * density on 0..80 / s, so the same inversion serves, with u limited to the share that lies there. */
 static float spread_of(const struct rnd_aim *aim)
 {
     return fmaxf(aim->spread, 1.0f);
 }
 
-/* From the unit square to u, uniform, and an azimuth as a fraction of a turn, by the disc (Shirley and Chiu
- * 1997): what is near each other in the square is near each other around the gaze. */
+/* Map the unit square to a uniform u and an azimuth, as a fraction of a turn, by way of the disc (Shirley and
+ * Chiu 1997): neighbours in the square are neighbours around the gaze. */
 RND_INLINE void disc(float a, float b, float *out_u, float *out_turn)
 {
     const float x = 2.0f * a - 1.0f, y = 2.0f * b - 1.0f;
@@ -64,7 +64,7 @@ static float per_steradian(float e_deg, float per_degree)
     return per_degree / deg / (2.0f * (float)M_PI * sinf(e_deg * deg));
 }
 
-/* The gaze itself is no special case but a limit: a direction this near to it has the density there. */
+/* At the gaze itself the density is a limit: take it at a direction this near. */
 static float eccentricity_of(const struct rnd_aim *aim, const float direction[3])
 {
     return fmaxf(rnd_angle(rnd_vec(aim->gaze), rnd_vec(direction)) / deg, 1e-3f);
@@ -72,8 +72,8 @@ static float eccentricity_of(const struct rnd_aim *aim, const float direction[3]
 
 /* The density min(m, cap) and its integral; t is eccentricity over spread, degrees. */
 struct capped {
-    double cap, flat; /* no more than cap, which is so up to flat */
-    double inner;     /* integral up to there */
+    double cap, flat; /* density is at most cap, which it is up to flat, degrees */
+    double inner;     /* integral up to flat */
     double end, total;
 };
 
@@ -116,14 +116,14 @@ static float exact_density(const struct rnd_aim *aim, const float direction[3])
     return per_steradian(e, 2.0f * (float)M_PI * t * m / (spread * (float)c.total));
 }
 
-/* 1 without spread: the fit ends a little before 80 degrees. */
+/* The share of u within 80 degrees. 1 without spread: the fit ends a little before 80 degrees. */
 static float polynomial_share(float spread)
 {
     float slope;
     return rnd_polynomial_inverse(RND_OUTER_DEG / spread, &slope);
 }
 
-/* The fit is of the whole acuity alone. */
+/* The fit is only for acuity without a cap. */
 static bool is_capped(const struct rnd_aim *aim)
 {
     return aim->pixels_per_degree > 0.0f && aim->pixels_per_degree < 120.0f;
@@ -149,8 +149,8 @@ static void polynomial_sample(const struct rnd_aim *aim, size_t count, const flo
     }
 }
 
-/* The density that the published fit implies: du/de. The two branches do not meet: nothing falls in the
- * thousandths of a degree between them, nor beyond e(1) = 79.97. */
+/* The density that the published fit implies: du/de. No sample falls in the gap of thousandths of a degree
+ * between its two branches, nor beyond e(1) = 79.97. */
 static float polynomial_density(const struct rnd_aim *aim, const float direction[3])
 {
     if (is_capped(aim)) return exact_density(aim, direction);

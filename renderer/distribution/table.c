@@ -1,4 +1,4 @@
-/* The ways to place samples, by name. Another one is one file and one line here. */
+/* The distributions by name. A new one is one file and one line here. */
 #include "distribution/distribution.h"
 
 #include <string.h>

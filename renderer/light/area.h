@@ -21,7 +21,7 @@ RND_INLINE void rnd_area_place(const struct rnd_area *area, float s, float t, fl
     *out_v = side * ((float)(area->place >> 16) + turn * t);
 }
 
-/* The area that is drawn at barycentric (u, v) of triangle i: i itself or a part of it. */
+/* The area that covers barycentric (u, v) of triangle i and is drawn: i itself, or a part of it. */
 RND_INLINE uint32_t rnd_area_at(const struct rnd_lights *lights, uint32_t i, float u, float v)
 {
     while (lights->area[i].flags & RND_AREA_DIVIDED) {
@@ -33,11 +33,12 @@ RND_INLINE uint32_t rnd_area_at(const struct rnd_lights *lights, uint32_t i, flo
     return i;
 }
 
-/* A triangle seen so nearly from its side gives nothing but rounding: it is not drawn from there. */
+/* A triangle that is seen at a smaller cosine is nearly edge-on, and its density mostly rounding: it is not
+ * drawn. */
 #define RND_LEAST_COSINE 1e-6f
 
-/* Density per steradian of drawing the point of a triangle that is seen at a distance along a direction, if
- * the triangle is drawn with that probability. */
+/* Density per steradian of drawing the point of a triangle at a distance along a direction, if the triangle
+ * itself is drawn with that probability. 0 if it is seen edge-on. */
 RND_INLINE float rnd_area_pdf(const struct rnd_area *area, float probability, struct rnd_v3 direction,
                               float distance)
 {
@@ -74,7 +75,7 @@ RND_INLINE float rnd_area_draw(const struct rnd_area *area, float probability, s
     return shines & (distance > 0.0f) ? pdf : 0.0f;
 }
 
-/* As struct rnd_light_kind has it. */
+/* rnd_light_kind.draw. */
 bool rnd_area_light(const struct rnd_scene *scene, const struct rnd_light_choice *choice, struct rnd_v3 point,
                     const float u[4], struct rnd_light_sample *out);
 

@@ -1,5 +1,5 @@
 /* Emissive triangles: how often each is drawn. A triangle whose texture or coverage makes its light uneven is
- * divided into parts, the more the brighter they are: a bright spot is drawn as often as it should be. */
+ * divided, the more the brighter its parts are, so that a bright spot is drawn as often as it should be. */
 #include "light/area_build.h"
 #include "light/area.h"
 #include "light/emitters.h"
@@ -8,19 +8,20 @@
 
 #include <stdlib.h>
 
-/* Most divisions of one scene, each of a triangle or a part into four; and halvings of a triangle's sides. */
+/* Limits: of divisions in a scene, each of which makes four areas of one; and of halvings of a triangle's
+ * sides. */
 enum { DIVISIONS = 1 << 14, HALVINGS = 13 };
-/* What could be won by division, of the weight of all: less is not worth its memory. */
+/* A division is made if it may lower the weight of all areas by this share; less is not worth its memory. */
 #define LEAST_WON 1e-4
-/* What a division must have won of the weight of what was divided. Points are better spread over one area
- * than over many, so that division alone makes noise. */
+/* A division is kept if it has lowered the weight of the divided area by this share. Points spread more
+ * evenly over one area than over many, so a division alone adds noise. */
 #define LEAST_KEPT 0.03f
 
 /* What makes the light of a mesh uneven. */
-struct look {
+struct pattern {
     struct rnd_pyramid *emission, *coverage; /* the builder's; NULL: there is no such texture */
     const struct rnd_map *coverage_map;
-    float brightness; /* luminance but for the texture */
+    float brightness; /* luminance without the texture */
     float alpha, cutoff;
     bool covered, masks, uneven;
     float most_alpha; /* of the vertices */
@@ -28,15 +29,15 @@ struct look {
 
 struct builder {
     struct rnd_scene *scene;
-    struct look *look; /* of each mesh */
+    struct pattern *pattern; /* of each mesh */
     struct rnd_pyramid **pyramid;
     uint32_t pyramids;
     uint32_t capacity;
-    float *weight;    /* 0 of what is divided */
-    float *undivided; /* weight of what is divided */
+    float *weight;    /* of each area; 0 once it is divided */
+    float *undivided; /* of each divided area, what its weight was */
     double sum;       /* of all weights */
     struct candidate {
-        float won; /* what parts of the area could weigh less */
+        float won; /* how much less its parts could weigh together */
         uint32_t area;
     } * heap; /* largest first */
     uint32_t candidates;
@@ -57,13 +58,13 @@ static struct rnd_pyramid *pyramid_of(struct builder *b, const struct rnd_pyrami
     return pyramid;
 }
 
-static bool look_at(struct builder *b, uint32_t m, struct look *out)
+static bool find_pattern(struct builder *b, uint32_t m, struct pattern *out)
 {
     const struct rnd_scene *scene = b->scene;
     const struct rnd_mesh *mesh = &scene->mesh[m];
     const struct rnd_material *material = &scene->material[mesh->material];
     const int texture = material->map[RND_MAP_EMISSION].texture;
-    *out = (struct look){.brightness = rnd_luminance(material->emission.raw), .most_alpha = 1.0f};
+    *out = (struct pattern){.brightness = rnd_luminance(material->emission.raw), .most_alpha = 1.0f};
     if (texture >= 0) {
         const struct rnd_pyramid_of of = {.texture = &scene->texture[texture],
                                           .channel = RND_PYRAMID_LUMINANCE};
@@ -92,13 +93,13 @@ static bool look_at(struct builder *b, uint32_t m, struct look *out)
 
 /* --- weight --- */
 
-/* A part of a triangle, by barycentric coordinates: one corner, and how far it is from there to the others,
- * along u and along v; below 0 for the middle one of four. */
+/* A part of a triangle: the barycentric coordinates of one corner, and the distance from there to the other
+ * two along u and v, which is negative for the middle one of four parts. */
 struct part {
     float u, v, side;
 };
 
-/* The four that the middles of its sides make of it. */
+/* One of the four parts into which the midpoints of its sides divide it. */
 static struct part quarter_of(struct part p, int k)
 {
     const float half = 0.5f * p.side;
@@ -115,7 +116,7 @@ static struct part part_of(const struct rnd_area *area)
     return p;
 }
 
-/* Texels between points that are a part's fourth apart. */
+/* The distance between sample points of a part, a fourth of its side, in texels. */
 static float spacing(const struct rnd_map *map, const struct rnd_pyramid *pyramid,
                      const struct rnd_mesh *mesh, const uint32_t *index, float side)
 {
@@ -142,69 +143,73 @@ static float most_vertex_alpha(const struct rnd_mesh *mesh, const uint32_t *inde
                        rnd_interpolate(colour, 4, 3, index, p.u, p.v + p.side)));
 }
 
-/* What of a part that has that largest alpha of its vertices is there around a point of it. */
-static struct rnd_pyramid_mean covered(const struct look *look, const struct rnd_mesh *mesh,
+/* Coverage around a point of a part. vertex_alpha is the largest alpha of the part's vertices. */
+static struct rnd_pyramid_mean covered(const struct pattern *pattern, const struct rnd_mesh *mesh,
                                        const uint32_t *index, const float point[2], float vertex_alpha,
                                        float width)
 {
     struct rnd_pyramid_mean mean = {1.0f, 1.0f};
-    if (look->coverage) {
+    if (pattern->coverage) {
         float uv[2];
-        rnd_map_uv(look->coverage_map, mesh, index, point[0], point[1], uv);
-        mean = rnd_pyramid_mean(look->coverage, look->coverage_map->wrap, uv[0], uv[1], width);
+        rnd_map_uv(pattern->coverage_map, mesh, index, point[0], point[1], uv);
+        mean = rnd_pyramid_mean(pattern->coverage, pattern->coverage_map->wrap, uv[0], uv[1], width);
     }
-    float alpha = look->alpha * vertex_alpha;
-    if (look->masks) alpha = look->coverage || alpha >= look->cutoff ? 1.0f : 0.0f;
+    float alpha = pattern->alpha * vertex_alpha;
+    if (pattern->masks) alpha = pattern->coverage || alpha >= pattern->cutoff ? 1.0f : 0.0f;
     return (struct rnd_pyramid_mean){alpha * mean.value, alpha * alpha * mean.square};
 }
 
-/* The part of a mesh that is looked at, and texels between points that are its fourth apart. */
-struct sight {
-    const struct look *look;
+/* The part of a mesh that is weighed, and the distance between its sample points in texels of the emission
+ * and of the coverage. */
+struct weighed_part {
+    const struct pattern *pattern;
     const struct rnd_mesh *mesh;
     const struct rnd_map *map;
     const uint32_t *index;
     float step, cover_step;
 };
 
-/* What arrives from around a point, but for the brightness: means over what is that many texels wider than
- * the steps between points. */
-static struct rnd_pyramid_mean around(const struct sight *s, const float point[2], float vertex_alpha,
+/* Emission times coverage around a point, without the brightness: means over squares that are wider than the
+ * distance between sample points by that many texels. */
+static struct rnd_pyramid_mean around(const struct weighed_part *s, const float point[2], float vertex_alpha,
                                       float wider)
 {
     struct rnd_pyramid_mean emits = {1.0f, 1.0f}, there = {1.0f, 1.0f};
-    if (s->look->emission) {
+    if (s->pattern->emission) {
         float uv[2];
         rnd_map_uv(s->map, s->mesh, s->index, point[0], point[1], uv);
-        emits = rnd_pyramid_mean(s->look->emission, s->map->wrap, uv[0], uv[1], s->step + wider);
+        emits = rnd_pyramid_mean(s->pattern->emission, s->map->wrap, uv[0], uv[1], s->step + wider);
     }
-    if (s->look->covered)
-        there = covered(s->look, s->mesh, s->index, point, vertex_alpha, s->cover_step + wider);
+    if (s->pattern->covered)
+        there = covered(s->pattern, s->mesh, s->index, point, vertex_alpha, s->cover_step + wider);
     return (struct rnd_pyramid_mean){emits.value * there.value, emits.square * there.square};
 }
 
-/* Luminance of a part, by four points of each of its quarters. Light beyond the outermost of them is in what
- * is wider by a texel: a little of that makes sure that what shines anywhere has some weight. */
+/* Luminance of a part, from four sample points in each of its quarters. Light beyond the outermost points is
+ * within squares a texel wider: a thousandth of their mean is added, so that a part that shines anywhere has
+ * some weight. */
 static struct rnd_pyramid_mean shine(const struct builder *b, const struct rnd_area *area, struct part part)
 {
     const struct rnd_mesh *mesh = &b->scene->mesh[area->mesh];
-    const struct look *look = &b->look[area->mesh];
-    struct sight sight = {.look = look,
-                          .mesh = mesh,
-                          .map = &b->scene->material[mesh->material].map[RND_MAP_EMISSION],
-                          .index = mesh->index[area->triangle]};
-    if (look->emission) sight.step = spacing(sight.map, look->emission, mesh, sight.index, part.side);
-    if (look->coverage)
-        sight.cover_step = spacing(look->coverage_map, look->coverage, mesh, sight.index, part.side);
+    const struct pattern *pattern = &b->pattern[area->mesh];
+    struct weighed_part weighed = {.pattern = pattern,
+                                   .mesh = mesh,
+                                   .map = &b->scene->material[mesh->material].map[RND_MAP_EMISSION],
+                                   .index = mesh->index[area->triangle]};
+    if (pattern->emission)
+        weighed.step = spacing(weighed.map, pattern->emission, mesh, weighed.index, part.side);
+    if (pattern->coverage)
+        weighed.cover_step =
+            spacing(pattern->coverage_map, pattern->coverage, mesh, weighed.index, part.side);
     struct rnd_pyramid_mean sum = {0};
     for (int k = 0; k < 4; k++) {
         const struct part quarter = quarter_of(part, k);
-        const float alpha = most_vertex_alpha(mesh, sight.index, quarter);
+        const float alpha = most_vertex_alpha(mesh, weighed.index, quarter);
         for (int i = 0; i < 4; i++) {
             const struct part p = quarter_of(quarter, i);
             const float point[2] = {p.u + p.side / 3.0f, p.v + p.side / 3.0f};
-            const struct rnd_pyramid_mean own = around(&sight, point, alpha, 0.0f),
-                                          more = around(&sight, point, alpha, 1.0f);
+            const struct rnd_pyramid_mean own = around(&weighed, point, alpha, 0.0f),
+                                          more = around(&weighed, point, alpha, 1.0f);
             sum.value += own.value / 16.0f;
             sum.square += (own.square + 1e-3f * more.square) / 16.0f;
         }
@@ -212,20 +217,20 @@ static struct rnd_pyramid_mean shine(const struct builder *b, const struct rnd_a
     return sum;
 }
 
-/* Weight of an area: its power, with the root mean square of its emission in place of the mean, as strata are
- * best drawn (Cochran 1977, section 5.5). *out_won: how much less its parts would weigh together if each were
- * even. */
+/* Weight of an area: its power, with the root mean square of the emission in place of the mean, which draws
+ * strata best (Cochran 1977, section 5.5). *out_won: how much less its parts would weigh together if each
+ * were even. */
 static float weigh(const struct builder *b, const struct rnd_area *area, float *out_won)
 {
     const struct rnd_v3 twice = rnd_v3_cross(area->e1, area->e2);
     const float size =
         0.5f * sqrtf(rnd_v3_dot(twice, twice)) * (float)M_PI * (area->flags & RND_AREA_DOUBLE ? 2.0f : 1.0f);
-    const struct look *look = &b->look[area->mesh];
+    const struct pattern *pattern = &b->pattern[area->mesh];
     *out_won = 0.0f;
-    if (!look->uneven) return size * look->brightness;
+    if (!pattern->uneven) return size * pattern->brightness;
     const struct rnd_pyramid_mean mean = shine(b, area, part_of(area));
-    const float root = look->brightness * sqrtf(mean.square);
-    *out_won = size * fmaxf(root - look->brightness * mean.value, 0.0f);
+    const float root = pattern->brightness * sqrtf(mean.square);
+    *out_won = size * fmaxf(root - pattern->brightness * mean.value, 0.0f);
     return size * root;
 }
 
@@ -259,7 +264,7 @@ static struct candidate pop(struct builder *b)
     return top;
 }
 
-/* Weigh the area that is the last, and remember what its division could win. */
+/* Weigh the newest area, and note what its division could win. */
 static void take(struct builder *b)
 {
     struct rnd_lights *lights = &b->scene->lights;
@@ -269,7 +274,7 @@ static void take(struct builder *b)
     if (won > 0.0f) push(b, (struct candidate){won, i});
 }
 
-/* Put four areas in place of one, which is not drawn any more. */
+/* Put four areas in place of one, which is then not drawn. */
 static void divide(struct builder *b, uint32_t i)
 {
     struct rnd_lights *lights = &b->scene->lights;
@@ -297,7 +302,7 @@ static void divide(struct builder *b, uint32_t i)
     }
 }
 
-/* Where it wins most first. */
+/* Divide areas, first the one that wins most. */
 static void divide_all(struct builder *b)
 {
     const struct rnd_lights *lights = &b->scene->lights;
@@ -308,7 +313,7 @@ static void divide_all(struct builder *b)
     }
 }
 
-/* Draw no part of an area any more. */
+/* Stop drawing an area and all its parts. */
 static void drop(struct builder *b, uint32_t i)
 {
     const struct rnd_area *area = &b->scene->lights.area[i];
@@ -316,8 +321,8 @@ static void drop(struct builder *b, uint32_t i)
     for (uint32_t k = 0; area->flags & RND_AREA_DIVIDED && k < 4; k++) drop(b, area->place + k);
 }
 
-/* The corner of the area whose first part this is, in steps of that area's sides: both share the corner, and
- * the part's steps are half as long. */
+/* The corner of a divided area, from its first part, in steps of the area's sides. The part has the same
+ * corner, in steps half as long. */
 static uint32_t corner_of(const struct rnd_area *areas, uint32_t part)
 {
     int halvings = 1;
@@ -325,11 +330,11 @@ static uint32_t corner_of(const struct rnd_area *areas, uint32_t part)
     return (areas[part].place & 0xffffu) >> halvings | areas[part].place >> (16 + halvings) << 16;
 }
 
-/* Put back together what won too little by division. Parts come after what they are of. */
+/* Undo divisions that won too little. An area comes before its parts. */
 static void join(struct builder *b)
 {
     struct rnd_area *areas = b->scene->lights.area;
-    float *weight = b->weight; /* in place of the 0 of what is divided, that of its parts */
+    float *weight = b->weight; /* for a divided area, the sum of its parts instead of 0 */
     for (uint32_t i = b->scene->lights.area_count; i-- > 0;) {
         struct rnd_area *area = &areas[i];
         if (!(area->flags & RND_AREA_DIVIDED)) continue;
@@ -374,18 +379,18 @@ static uint64_t count_emitters(struct builder *b, bool *out_ok)
 {
     const struct rnd_scene *scene = b->scene;
     uint64_t count = 0;
-    *out_ok = (b->look = calloc(scene->mesh_count + 1, sizeof *b->look)) != NULL;
+    *out_ok = (b->pattern = calloc(scene->mesh_count + 1, sizeof *b->pattern)) != NULL;
     for (uint32_t m = 0; *out_ok && m < scene->mesh_count; m++) {
         if (!rnd_emits(&scene->material[scene->mesh[m].material])) continue;
         count += scene->mesh[m].triangles;
-        *out_ok = look_at(b, m, &b->look[m]);
-        b->scene->lights.area_uneven |= b->look[m].uneven;
+        *out_ok = find_pattern(b, m, &b->pattern[m]);
+        b->scene->lights.area_uneven |= b->pattern[m].uneven;
     }
     return count;
 }
 
-/* Fill the lights' areas, and mark the meshes. *out_weight: by which each area is to be drawn; the caller
- * frees. */
+/* Fill lights->area, and mark the meshes. *out_weight: of each area, in proportion to which it is to be
+ * drawn; the caller frees it. */
 static bool find_areas(struct rnd_scene *scene, float **out_weight)
 {
     struct rnd_lights *lights = &scene->lights;
@@ -416,7 +421,7 @@ static bool find_areas(struct rnd_scene *scene, float **out_weight)
 end:
     for (uint32_t i = 0; i < b.pyramids; i++) rnd_pyramid_destroy(b.pyramid[i]);
     free(b.pyramid);
-    free(b.look);
+    free(b.pattern);
     free(b.heap);
     free(b.undivided);
     return ok;

@@ -4,7 +4,7 @@
 
 #include "scene/scene.h"
 
-/* As struct rnd_light_kind has it: fills the lights' areas, and marks the meshes that have some. */
+/* rnd_light_kind.build: fills lights->area, and sets first_light of the meshes that have areas. */
 bool rnd_areas_build(struct rnd_scene *scene, double *out_power);
 
 #endif

@@ -6,15 +6,15 @@
 
 #include <math.h>
 
-/* 1 - cosine of the angle between two unit vectors: half the square of what is between their ends. To
- * subtract a cosine from 1 would round all angles below 0.02 degrees to nothing. */
+/* 1 - cosine of the angle between two unit vectors: half the squared distance between their ends. To subtract
+ * the cosine from 1 would round all angles below 0.02 degrees to 0. */
 RND_INLINE float rnd_drop(struct rnd_v3 a, struct rnd_v3 b)
 {
     const struct rnd_v3 chord = rnd_v3_sub(a, b);
     return 0.5f * rnd_v3_dot(chord, chord);
 }
 
-/* The same of an angle, rad. */
+/* The same for an angle, rad. */
 static inline float rnd_drop_of(double angle)
 {
     const double s = sin(0.5 * angle);

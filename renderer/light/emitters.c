@@ -1,10 +1,10 @@
-/* A table of lights by power, and parts of them that are near each other. */
+/* Emitters of a group: a table by power, and parts of emitters that are near each other. */
 #include "light/emitters.h"
 
 #include <float.h>
 #include <stdlib.h>
 
-/* A coordinate of a thousand steps, as ten bits with two zeros before each. */
+/* A coordinate from 0 to 1023, as ten bits with two zeros before each. */
 static uint32_t spread(float coordinate)
 {
     uint32_t bits = (uint32_t)fminf(fmaxf(coordinate, 0.0f), 1023.0f);
@@ -25,7 +25,8 @@ static int by_code(const void *a, const void *b)
                               : (x->emitter > y->emitter) - (x->emitter < y->emitter);
 }
 
-/* Along a curve that keeps near what is near (Morton 1966), parts of as many emitters and as much power. */
+/* Divide the emitters along a curve on which neighbours are near each other (Morton 1966), into parts that
+ * are about equal in number and power. */
 static void divide(struct place *place, const vec3s *position, uint32_t count, struct rnd_emitters *emitters)
 {
     vec3s low = glms_vec3_fill(INFINITY), high = glms_vec3_fill(-INFINITY);

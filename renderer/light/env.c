@@ -1,4 +1,4 @@
-/* The environment map: weighed, made into tables, and drawn from. */
+/* The environment map: the weights of its texels, its tables, and drawing from them. */
 #include "light/env.h"
 #include "math/large_pages.h"
 
@@ -11,8 +11,8 @@ static const float *texel(const struct rnd_env *env, int x, int y)
     return env->texel[(size_t)(y < 0 ? 0 : y >= h ? h - 1 : y) * w + (x + w) % w];
 }
 
-/* A texel's weight: mean luminance of the texels that its bilinear footprint touches, so that nothing that
- * can shine has no density, times the solid angle. */
+/* A texel's weight: its solid angle times the mean luminance of the texels that its bilinear footprint
+ * touches. So every direction that has radiance has a density. */
 static float weight_of(const struct rnd_env *env, int x, int y)
 {
     float sum = 0.0f;
@@ -26,7 +26,7 @@ static uint32_t region_of(const struct rnd_env *env, int x, int y)
     return rnd_env_region(env, ((float)x + 0.5f) / (float)env->width, ((float)y + 0.5f) / (float)env->height);
 }
 
-/* The texels of all regions. A map that has fewer than there are regions leaves some empty. */
+/* Tell which texels each region has. A small map leaves some regions empty. */
 static void divide(struct rnd_env *env)
 {
     for (int y = 0; y < env->height; y++)
@@ -39,7 +39,7 @@ static void divide(struct rnd_env *env)
         env->region[i].first = env->region[i - 1].first + env->region[i - 1].texels;
 }
 
-/* The table of one region, and the weight of each of its texels in place of their density. */
+/* Make the table of one region, and put the weight of each of its texels in place of the density. */
 static bool make_region(struct rnd_env *env, int number, float *weight, double *out_sum)
 {
     const struct rnd_env_region *r = &env->region[number];
@@ -128,6 +128,6 @@ bool rnd_env_light(const struct rnd_scene *scene, const struct rnd_light_choice 
 
 bool rnd_env_build(struct rnd_scene *scene, double *out_power)
 {
-    *out_power = scene->lights.env ? 1.0 : 0.0; /* a black one is refused when it is read */
+    *out_power = scene->lights.env ? 1.0 : 0.0; /* a black map is refused when it is read */
     return true;
 }

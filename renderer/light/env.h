@@ -1,4 +1,4 @@
-/* The environment map: radiance by direction, and tables to draw from. */
+/* The environment map: its radiance in a direction, and drawing directions from it. */
 #ifndef FOVEAD_RENDERER_ENV_H
 #define FOVEAD_RENDERER_ENV_H
 
@@ -6,8 +6,8 @@
 #include "math/uv.h"
 #include "scene/scene.h"
 
-/* The texel of a direction, its bilinear neighbours chosen by two numbers in [0,1): the mean over them is the
- * interpolated radiance; with 1/2 and 1/2 it is the texel that the direction falls into. */
+/* One of the four texels around (u, v), chosen by two numbers r and s in [0,1): the mean over the numbers is
+ * the bilinear interpolation. With 1/2 and 1/2 it is the texel that contains (u, v). */
 RND_INLINE uint32_t rnd_env_texel(const struct rnd_env *env, float u, float v, float r, float s)
 {
     const float x = u * (float)env->width - 0.5f + r, y = v * (float)env->height - 0.5f + s;
@@ -19,7 +19,7 @@ RND_INLINE uint32_t rnd_env_texel(const struct rnd_env *env, float u, float v, f
     return (uint32_t)(iy * env->width + ix);
 }
 
-/* The region of the texel that (u, v) falls into: its borders are those of texels. */
+/* The region of the texel that contains (u, v): a region has whole texels. */
 RND_INLINE uint32_t rnd_env_region(const struct rnd_env *env, float u, float v)
 {
     const float x = rnd_smaller(floorf(u * (float)env->width), (float)(env->width - 1)),
@@ -29,8 +29,8 @@ RND_INLINE uint32_t rnd_env_region(const struct rnd_env *env, float u, float v)
     return (uint32_t)(row * RND_ENV_COLUMNS + column);
 }
 
-/* Draw a region, by u in [0,1) whose bits below 2^-24 are v in [0,1), and an entry of it; rnd_env_texel_of()
- * says which of its two texels is drawn. */
+/* Draw a region and one of its entries, by a number in [0,1): u, with its bits below 2^-24 in v. Then
+ * rnd_env_texel_of() says which of the entry's two texels is drawn. */
 RND_INLINE uint32_t rnd_env_place(const struct rnd_env *env, const struct rnd_env_choice *choice, float u,
                                   float v, uint32_t *out_region, float *out_part)
 {
@@ -62,7 +62,7 @@ RND_INLINE void rnd_env_to_uv(const struct rnd_env *env, struct rnd_v3 direction
     *out_u = u - floorf(u);
 }
 
-/* Direction at a place within a texel, and its density per steradian but for the choice of group. */
+/* The direction of place (r, s) in [0,1) within a texel, and its coordinates (u, v) in the map. */
 RND_INLINE struct rnd_v3 rnd_env_direction(const struct rnd_env *env, uint32_t texel, float r, float s,
                                            float *out_u, float *out_v)
 {
@@ -75,21 +75,21 @@ RND_INLINE struct rnd_v3 rnd_env_direction(const struct rnd_env *env, uint32_t t
     return rnd_v3_from_uv(turned - floorf(turned), *out_v);
 }
 
-/* Radiance from a direction, the texel that it falls into; its region; and the density with which it is drawn
- * by weight. */
+/* Radiance from a direction: of the texel that contains it. *out_region is its region, *out_pdf the density
+ * per steradian with which it is drawn by weight. */
 struct rnd_v3 rnd_env_radiance(const struct rnd_env *env, struct rnd_v3 direction, uint32_t *out_region,
                                float *out_pdf);
 
-/* Draw regions with these probabilities, of any sum above 0: 0 for those without weight, and for those alone.
- * False if memory is short. */
+/* Make a choice that draws regions with these probabilities, up to a constant factor: 0 for exactly the
+ * regions that have no weight. False if memory is short. */
 bool rnd_env_choose(const struct rnd_env *env, const float probability[RND_ENV_REGIONS],
                     struct rnd_env_choice *out);
 
-/* The tables of a map whose texels have their radiance, and in every texel the density with which these draw
- * it. *out_black: it gives no light. False if memory is short. */
+/* Make the tables of a map whose texels have their radiance, and put into each texel the density with which
+ * it is drawn. *out_black: the map gives no light. False if memory is short. */
 bool rnd_env_tables(struct rnd_env *env, bool *out_black);
 
-/* As struct rnd_light_kind has them. */
+/* rnd_light_kind.build and .draw. */
 bool rnd_env_build(struct rnd_scene *scene, double *out_power);
 bool rnd_env_light(const struct rnd_scene *scene, const struct rnd_light_choice *choice, struct rnd_v3 point,
                    const float u[4], struct rnd_light_sample *out);

@@ -1,4 +1,4 @@
-/* The kinds of light together: their tables, how often each is asked, and drawing. */
+/* All kinds of light: their tables, how often each is drawn, and drawing. */
 #include "light/light.h"
 #include "light/area.h"
 #include "light/area_build.h"
@@ -17,7 +17,7 @@ static const struct rnd_light_kind kind_of[RND_LIGHT_GROUPS] = {
     [RND_LIGHT_PUNCTUAL] = {rnd_punctual_build, rnd_punctual_light},
 };
 
-/* Is there a surface that an eye sees without a light: an unlit one, or one that emits? */
+/* Is there a surface that shows without any light: an unlit one, or one that emits? */
 static bool shows_itself(const struct rnd_scene *scene)
 {
     for (uint32_t m = 0; m < scene->mesh_count; m++) {

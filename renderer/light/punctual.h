@@ -5,7 +5,7 @@
 #include "light/choice.h"
 #include "scene/scene.h"
 
-/* As struct rnd_light_kind has them. */
+/* rnd_light_kind.build and .draw. */
 bool rnd_punctual_build(struct rnd_scene *scene, double *out_power);
 bool rnd_punctual_light(const struct rnd_scene *scene, const struct rnd_light_choice *choice,
                         struct rnd_v3 point, const float u[4], struct rnd_light_sample *out);

@@ -1,16 +1,16 @@
-/* Pyramids of textures: every level is the mean of the one below it, whose squares at the right and the lower
- * border may be less than whole. */
+/* Pyramids of textures. A value of a level is the mean of 2 x 2 values of the level below it, or of fewer at
+ * the right and lower border. */
 #include "light/pyramid.h"
 
 #include <stdlib.h>
 
-/* What is brighter, or no number, weighs nothing: light from there is left to chance. */
+/* Larger values, and NaN, count as 0: light from there is found by chance alone. */
 #define MOST 1e12f
 
 struct rnd_pyramid {
     struct rnd_pyramid_of of;
     int levels;                             /* the first is the texture itself */
-    struct rnd_level level[RND_MAX_LEVELS]; /* first: of its values in mean, from the second level on */
+    struct rnd_level level[RND_MAX_LEVELS]; /* first: index in mean, from the second level on */
     struct rnd_pyramid_mean mean[];
 };
 

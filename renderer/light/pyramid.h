@@ -1,19 +1,19 @@
-/* Means of a texture's brightness or coverage around a place, and of their squares, over squares of 1, 2, 4,
- * ... texels; no texel is missed. Mipmaps round small values to nothing. */
+/* Means of a texture's brightness or coverage, and of their squares, over squares of 1, 2, 4, ... texels. No
+ * texel is left out, and small values are kept, which mipmaps round to 0. */
 #ifndef FOVEAD_RENDERER_PYRAMID_H
 #define FOVEAD_RENDERER_PYRAMID_H
 
 #include "scene/texture.h"
 
-/* What of a texel is taken. */
+/* Which value of a texel is taken. */
 struct rnd_pyramid_of {
     const struct rnd_texture *texture;
     enum { RND_PYRAMID_LUMINANCE, RND_PYRAMID_RED, RND_PYRAMID_ALPHA } channel;
-    float cutoff; /* above 0: 1 if the channel is at least as much, else 0 */
+    float cutoff; /* if above 0, the value is 1 where the channel is at least cutoff, else 0 */
 };
 
 struct rnd_pyramid_mean {
-    float value, square; /* mean of it, and of its square */
+    float value, square; /* mean of the value, and of its square */
 };
 
 struct rnd_pyramid;

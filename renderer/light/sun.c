@@ -7,7 +7,7 @@ void rnd_sun_init(struct rnd_sun *sun, const float options[4])
     float towards[3];
     rnd_direction(glm_rad(options[0]), glm_rad(options[1]), towards);
     sun->direction = rnd_v3(towards[0], towards[1], towards[2]);
-    /* A disc that is no wider than the steps between directions is a point. */
+    /* A disc narrower than the steps between float directions is a point. */
     const double radius = (double)options[3] * 0.5 * M_PI / 180.0, sine = sin(radius);
     const bool disc = radius > 1e-6;
     sun->drop = disc ? rnd_drop_of(radius) : 0.0f;

@@ -1,4 +1,4 @@
-/* The sun: a disc, or a point, at no distance. */
+/* The sun: a disc, or a point, infinitely far away. */
 #ifndef FOVEAD_RENDERER_SUN_H
 #define FOVEAD_RENDERER_SUN_H
 
@@ -10,7 +10,7 @@
 /* options as struct rnd_scene_options has them. */
 void rnd_sun_init(struct rnd_sun *sun, const float options[4]);
 
-/* Within its disc, per steradian. */
+/* Density per steradian of a direction within the disc. */
 RND_INLINE float rnd_sun_pdf(const struct rnd_sun *sun)
 {
     return 1.0f / (2.0f * (float)M_PI * sun->drop);
@@ -26,7 +26,7 @@ RND_INLINE struct rnd_v3 rnd_sun_draw(const struct rnd_sun *sun, const struct rn
     return rnd_v3_to_world(frame, rnd_v3(r * cosine, r * sine, 1.0f - drop));
 }
 
-/* As struct rnd_light_kind has them. */
+/* rnd_light_kind.build and .draw. */
 bool rnd_sun_build(struct rnd_scene *scene, double *out_power);
 bool rnd_sun_light(const struct rnd_scene *scene, const struct rnd_light_choice *choice, struct rnd_v3 point,
                    const float u[4], struct rnd_light_sample *out);

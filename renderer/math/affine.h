@@ -1,11 +1,12 @@
-/* Affine maps of places, in double: a place far from the origin keeps its digits until the last step. */
+/* Affine maps in double precision, so that a place far from the origin keeps its digits until the last step.
+ */
 #ifndef FOVEAD_RENDERER_AFFINE_H
 #define FOVEAD_RENDERER_AFFINE_H
 
 #include <math.h>
 #include <stdbool.h>
 
-/* 3 rows, 4 columns, column by column; the last column is where the origin goes. */
+/* 3 rows, 4 columns, column by column; the last column is the translation. */
 struct rnd_affine {
     double m[12];
 };
@@ -49,7 +50,7 @@ static inline struct rnd_affine rnd_affine_pose(const float translation[3], cons
     return out;
 }
 
-/* By how much volumes grow; negative where right hands become left ones. */
+/* The factor by which volumes grow; negative if handedness is reversed. */
 static inline double rnd_affine_determinant(const struct rnd_affine *a)
 {
     const double *m = a->m;
@@ -57,8 +58,8 @@ static inline double rnd_affine_determinant(const struct rnd_affine *a)
            m[6] * (m[1] * m[5] - m[4] * m[2]);
 }
 
-/* How normals go when places go by a, keeping their side: the inverse transpose of its first three columns,
- * column by column. False if there is no inverse, or none that floats hold. */
+/* The map of normals that belongs to a: the inverse transpose of its first three columns, column by column.
+ * Normals stay on their side of a surface. False if there is no inverse, or none that floats can hold. */
 static inline bool rnd_affine_normals(const struct rnd_affine *a, float out[9])
 {
     const double *m = a->m, determinant = rnd_affine_determinant(a);

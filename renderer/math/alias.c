@@ -35,7 +35,7 @@ bool rnd_alias_init(struct rnd_alias *alias, const float *weight, uint32_t count
             stack[small++] = l;
         }
     }
-    /* What rounding left over among the small ones must not draw an entry without weight. */
+    /* Rounding may leave small entries over, which must not draw an entry without weight. */
     while (small > 0) {
         const uint32_t s = stack[--small];
         if (weight[s] > 0.0f) continue;

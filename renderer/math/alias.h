@@ -21,10 +21,11 @@ struct rnd_alias {
 bool rnd_alias_init(struct rnd_alias *alias, const float *weight, uint32_t count);
 void rnd_alias_finish(struct rnd_alias *alias);
 
-/* From u in [0,1), whose bits below 2^-24 are v in [0,1): the entry, and where in it. */
+/* The column for a number in [0,1), and the place within the column, 0 to 1. The number is u, with its bits
+ * below 2^-24 in v. */
 RND_INLINE uint32_t rnd_alias_place(const struct rnd_alias *alias, float u, float v, float *out_part)
 {
-    /* The 24 bits of one float do not reach every column of a large table: v is the bits below them. */
+    /* 24 bits, which a float has, do not reach every column of a large table. */
     const double place = ((double)u + (double)v * 0x1p-24) * alias->count;
     const uint32_t i = (uint32_t)place, last = alias->count - 1;
     *out_part = (float)(place - i);

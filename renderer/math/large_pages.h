@@ -1,5 +1,4 @@
-/* Large pages for memory that is read here and there: a look into it then seldom waits for its page to be
- * found. */
+/* Large pages for memory that is read at random: addresses are then translated faster. */
 #ifndef FOVEAD_RENDERER_LARGE_PAGES_H
 #define FOVEAD_RENDERER_LARGE_PAGES_H
 
@@ -8,7 +7,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-/* Ask for them, for memory that was allocated and not touched yet. A system that has none changes nothing. */
+/* Ask for large pages for memory that is allocated and not touched yet. A system without them changes
+ * nothing. */
 static inline void rnd_use_large_pages(void *memory, size_t bytes)
 {
     const uintptr_t page = (uintptr_t)sysconf(_SC_PAGESIZE),

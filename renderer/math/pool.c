@@ -6,11 +6,11 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-/* How often a thread looks for what it waits for before it sleeps: a tenth of a millisecond or so, which is
- * what one thread alone does between two rounds. To wake a sleeper takes as long. Whoever looked in vain
- * looks half as often the next time: where others use the processors, what is waited for mostly takes longer.
- */
-enum { LOOKS = 4000, LEAST_LOOKS = 60 };
+/* How often a thread checks for what it waits for before it sleeps: about a tenth of a millisecond, which is
+ * as long as one thread works alone between two rounds, and as long as waking a sleeper takes. A thread that
+ * checked in vain checks half as often the next time: where other programs use the processors, waits are
+ * longer. */
+enum { CHECKS = 4000, LEAST_CHECKS = 60 };
 
 struct thread {
     struct rnd_pool *pool;
@@ -20,33 +20,34 @@ struct thread {
 
 struct rnd_pool {
     int threads, started;
-    struct thread *thread; /* the caller has none: threads - 1 of them */
-    pthread_mutex_t mutex; /* held to change what is below, and to sleep */
+    struct thread *thread; /* threads - 1 of them, as the caller is one too */
+    pthread_mutex_t mutex; /* protects the rest, and is held to sleep */
     pthread_cond_t begin, end;
-    _Atomic unsigned round; /* of work handed out; of the last one, the threads that are at it or must come */
+    _Atomic unsigned round; /* number of rounds of work handed out; and of the last one, threads that work
+                               or must come */
     _Atomic int busy;
-    bool open; /* who comes now may still join */
-    bool all;  /* everybody must */
+    bool open; /* a thread that comes now may still join */
+    bool all;  /* every thread must join */
     bool quit;
-    int looks; /* the caller's own */
+    int checks; /* of the caller */
     void (*work)(void *context, int worker);
     void *context;
 };
 
-static void adapt(int *looks, bool found)
+static void adapt(int *checks, bool found)
 {
-    const int next = found ? 2 * *looks : *looks / 2;
-    *looks = next > LOOKS ? LOOKS : next < LEAST_LOOKS ? LEAST_LOOKS : next;
+    const int next = found ? 2 * *checks : *checks / 2;
+    *checks = next > CHECKS ? CHECKS : next < LEAST_CHECKS ? LEAST_CHECKS : next;
 }
 
 static void *run(void *argument)
 {
     const struct thread *self = argument;
     struct rnd_pool *pool = self->pool;
-    int looks = LOOKS;
+    int checks = CHECKS;
     for (unsigned seen = 0;;) {
-        for (int i = 0; i < looks && atomic_load(&pool->round) == seen; i++) rnd_pause();
-        adapt(&looks, atomic_load(&pool->round) != seen);
+        for (int i = 0; i < checks && atomic_load(&pool->round) == seen; i++) rnd_pause();
+        adapt(&checks, atomic_load(&pool->round) != seen);
         pthread_mutex_lock(&pool->mutex);
         while (atomic_load(&pool->round) == seen && !pool->quit)
             pthread_cond_wait(&pool->begin, &pool->mutex);
@@ -69,7 +70,7 @@ struct rnd_pool *rnd_pool_create(int threads)
     struct rnd_pool *pool = calloc(1, sizeof *pool);
     if (!pool) return NULL;
     pool->threads = threads;
-    pool->looks = LOOKS;
+    pool->checks = CHECKS;
     pthread_mutex_init(&pool->mutex, NULL);
     pthread_cond_init(&pool->begin, NULL);
     pthread_cond_init(&pool->end, NULL);
@@ -116,8 +117,8 @@ static void hand_out(struct rnd_pool *pool, void (*work)(void *context, int work
     pool->open = false;
     pthread_mutex_unlock(&pool->mutex);
     if (atomic_load(&pool->busy) == 0) return;
-    for (int i = 0; i < pool->looks && atomic_load(&pool->busy) > 0; i++) rnd_pause();
-    adapt(&pool->looks, atomic_load(&pool->busy) == 0);
+    for (int i = 0; i < pool->checks && atomic_load(&pool->busy) > 0; i++) rnd_pause();
+    adapt(&pool->checks, atomic_load(&pool->busy) == 0);
     if (atomic_load(&pool->busy) == 0) return;
     pthread_mutex_lock(&pool->mutex);
     while (atomic_load(&pool->busy) > 0) pthread_cond_wait(&pool->end, &pool->mutex);
@@ -136,7 +137,7 @@ void rnd_pool_run_all(struct rnd_pool *pool, void (*work)(void *context, int wor
 
 struct sharing {
     uint32_t count, turn;
-    _Atomic uint32_t next; /* the first that no thread has taken yet */
+    _Atomic uint32_t next; /* the first number that no thread has taken yet */
     void (*work)(void *context, uint32_t first, uint32_t end);
     void *context;
 };

@@ -231,7 +231,7 @@ static float strength(const float *result, size_t width, int which)
     return sqrtf(x * x + y * y) / 116.0f;
 }
 
-/* Raise the row of errors to what it is at this exposure. */
+/* Raise the row of errors to those at this exposure, where these are larger. */
 static void compare_row(const struct flip *flip, float *errors)
 {
     static const float knee = 0.4f, kept = 0.95f; /* differences to 0.4 of the largest take 0 to 0.95 */
@@ -273,7 +273,7 @@ static double percentile(const double bin[BINS], double share)
     return 1.0;
 }
 
-/* What the errors of all pixels come to; exposures are NULL for LDR-FLIP. */
+/* Sum up the errors of all pixels; exposures are NULL for LDR-FLIP. */
 static void sum_up(const struct rnd_pair *pair, const float *errors,
                    const struct rnd_flip_exposures *exposures, struct rnd_measure *out)
 {
@@ -375,7 +375,8 @@ static bool compute_ldr(const struct rnd_pair *pair, float *out_map, struct rnd_
     return compute(pair, NULL, out_map, out_measure, out_error);
 }
 
-/* The worst of a range of exposures, which the whole reference sets whatever its pixels weigh. */
+/* The largest error over a range of exposures. The whole reference decides the range, whatever its pixels
+ * weigh. */
 const struct rnd_metric rnd_metric_hdr_flip = {
     .name = "hdr_flip",
     .label = "HDR-FLIP",
@@ -390,7 +391,7 @@ const struct rnd_metric rnd_metric_hdr_flip = {
     .compute = compute_hdr,
 };
 
-/* Of what a display shows of 0 to 1. */
+/* The error of what a display shows of values from 0 to 1. */
 const struct rnd_metric rnd_metric_ldr_flip = {
     .name = "ldr_flip",
     .label = "LDR-FLIP",

@@ -1,4 +1,4 @@
-/* What HDR-FLIP adds: which exposures a picture is looked at, and how each is shown. */
+/* What HDR-FLIP adds to FLIP: the exposures at which pictures are compared, and the tone curve. */
 #ifndef FOVEAD_RENDERER_FLIP_H
 #define FOVEAD_RENDERER_FLIP_H
 

@@ -1,6 +1,5 @@
-/* The exposures of HDR-FLIP (Andersson et al. 2021, section 4): from where the brightest pixel of the
- * reference is just below white, to where half of it is brighter than that.
- */
+/* The exposures of HDR-FLIP (Andersson et al. 2021, section 4). At the first one the brightest pixel of the
+ * reference is just below white, at the last one the median pixel. */
 #include "metric/flip.h"
 #include "math/sphere.h"
 
@@ -9,8 +8,8 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Half of a panorama may be black, and no exposure shows that: stops go no further. A sun's disc is some 20
- * above what it leaves in shade. */
+/* The limit of the range, for panoramas that are half black, which no exposure shows. A sun's disc is some 20
+ * stops above the shade. */
 static const double MOST_STOPS = 24.0;
 
 static float luminance_at(const float *rgb)
@@ -25,8 +24,8 @@ static uint32_t bits_of(float value)
     return bits;
 }
 
-/* The luminance at that place of all of them in order. Floats that are not negative are in the order of their
- * bits: find these eight at a time. */
+/* The luminance of that rank. Floats that are not negative are ordered as their bits are: find eight bits at
+ * a time. */
 static float luminance_at_rank(const float *rgb, size_t count, uint64_t rank)
 {
     uint32_t found = 0;

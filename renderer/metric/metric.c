@@ -1,5 +1,4 @@
-/* The metrics, by name, and what is checked before one is computed. Another one is one file and one line
- * here. */
+/* The metrics by name, and the checks before one is computed. */
 #include "metric/metric.h"
 #include "math/sphere.h"
 
@@ -22,7 +21,7 @@ const struct rnd_metric *rnd_metric_find(const char *name)
     return NULL;
 }
 
-/* What the metric needs that the pair is not, or lacks; NULL: nothing. */
+/* What the metric needs and the pair lacks, as text; NULL: nothing. */
 static const char *missing(const struct rnd_metric *metric, const struct rnd_pair *pair)
 {
     if (metric->sequence && !pair->next) return "sequences of frames";

@@ -1,4 +1,4 @@
-/* PSNR: kept because older results are given in it; it does not know what an eye sees. */
+/* PSNR, for comparison with older results. It knows nothing of what an eye sees. */
 #include "metric/metric.h"
 #include "math/srgb.h"
 

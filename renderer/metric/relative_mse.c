@@ -1,7 +1,8 @@
-/* Relative MSE: squares of the error, of which those in dark places count as much as those in bright ones. */
+/* Relative MSE: the squared error over the squared reference, so that dark places count as much as bright
+ * ones. */
 #include "metric/metric.h"
 
-static const double EPSILON = 0.01; /* keeps what is nearly black from deciding alone */
+static const double EPSILON = 0.01; /* keeps nearly black pixels from deciding alone */
 
 static double relative_square(float reference, float test)
 {

@@ -38,7 +38,7 @@ bool rnd_embree_occluded1(RTCScene scene, struct RTCRay *ray)
     return ray->tfar < 0.0f;
 }
 
-/* What Embree asks for of every ray, the same for all. Nobody writes there, Embree neither. */
+/* Fields that Embree wants for each ray and that are 0 for all. Nobody writes there, not even Embree. */
 static float zero[RND_EMBREE_RAYS] __attribute__((aligned(64)));
 static unsigned nothing[RND_EMBREE_RAYS] __attribute__((aligned(64)));
 static unsigned all[RND_EMBREE_RAYS]
@@ -79,7 +79,7 @@ void rnd_embree_intersect(RTCScene scene, bool coherent, const struct rnd_embree
     rtcIntersectNp(scene, &context, &stream, count);
 }
 
-/* Never with the coherent flag: Embree 3.13.5 may then go on for ever behind instances. */
+/* Without the coherent flag: with it Embree 3.13.5 may loop for ever where there are instances. */
 void rnd_embree_occluded(RTCScene scene, const struct rnd_embree_rays *rays, uint32_t count)
 {
     struct RTCIntersectContext context;
@@ -115,7 +115,7 @@ bool rnd_embree_occluded1(RTCScene scene, struct RTCRay *ray)
 
 enum { PACKET = 8, OCTANTS = 8 };
 
-/* A packet, and which of its rays count: -1, else 0. */
+/* A packet, and which of its rays are valid: -1, else 0. */
 struct packet {
     struct RTCRayHit8 rays;
     int valid[PACKET];
@@ -127,8 +127,8 @@ static void init(struct packet *packet)
     for (int k = 0; k < PACKET; k++) packet->rays.ray.mask[k] = UINT32_MAX;
 }
 
-/* The order in which rays are traced: by the octant that they point into, so that the rays of a packet take
- * much the same way through the tree. */
+/* Sort rays by the octant that they point into, so that the rays of a packet take similar ways through the
+ * tree. */
 static void sort(const struct rnd_embree_rays *rays, uint32_t count, uint32_t *restrict out_order)
 {
     uint32_t end[OCTANTS + 1] = {0};
@@ -142,7 +142,7 @@ static void sort(const struct rnd_embree_rays *rays, uint32_t count, uint32_t *r
     for (uint32_t i = 0; i < count; i++) out_order[end[octant[i]]++] = i;
 }
 
-/* The rays that an order names, count of them and PACKET at the most. Returns how many. */
+/* Make a packet of the next rays in order: the smaller of count and PACKET. Returns how many. */
 static uint32_t pack(const struct rnd_embree_rays *rays, const uint32_t *order, uint32_t count,
                      struct packet *to)
 {

@@ -1,4 +1,4 @@
-/* Parts of a scene that readers of files have to do with too: memory of meshes, lines for the user. */
+/* What the readers of scene files use too: memory of meshes, warnings for the user. */
 #include "scene/scene.h"
 
 #include <stdarg.h>

@@ -23,7 +23,7 @@ enum rnd_material_kind {
     RND_RICH,        /* all else that glTF has: transmission, volume, clearcoat, sheen, unlit, second uv */
 };
 
-/* What a texture of a material drives. */
+/* What a texture of a material sets. */
 enum rnd_map_use {
     RND_MAP_BASE,                /* sRGB; alpha is coverage */
     RND_MAP_METAL_ROUGH,         /* green roughness, blue metallic */
@@ -37,14 +37,14 @@ enum rnd_map_use {
     RND_MAP_CLEARCOAT_NORMAL,
     RND_MAP_SHEEN_COLOUR,    /* sRGB */
     RND_MAP_SHEEN_ROUGHNESS, /* alpha */
-    RND_MAP_COVERAGE, /* MTL's map_d: alpha if the image has one, else red; then the base's alpha is nothing
-                       */
+    RND_MAP_COVERAGE, /* MTL's map_d: alpha if the image has it, else red; the base texture's alpha is then
+                         ignored */
     RND_MAPS,
 };
 
-/* A look into a texture. KHR_texture_transform: (u, v) goes to (m0 u + m1 v + m2, m3 u + m4 v + m5). */
+/* How a texture is looked up. KHR_texture_transform: (u, v) becomes (m0 u + m1 v + m2, m3 u + m4 v + m5). */
 struct rnd_map {
-    int texture; /* index, or -1: none, its factor stands alone */
+    int texture; /* index, or -1: none, the factor is used alone */
     uint8_t uv_set;
     uint8_t wrap[2];    /* enum rnd_wrap along u and v */
     bool nearest;       /* texels are not interpolated */
@@ -52,18 +52,18 @@ struct rnd_map {
     float transform[6];
 };
 
-/* What light goes through: KHR_materials_volume and _ior. */
+/* A medium that light travels through: KHR_materials_volume and _ior. */
 struct rnd_medium {
     float ior;
-    uint32_t index;   /* which of the scene's indices of refraction that is; 0 is air's */
+    uint32_t index;   /* number of its index of refraction among the scene's; 0 is air's */
     vec3s absorption; /* 1/m */
 };
 
-/* Indices of refraction that have tables of rough glass in one another. Glass in a medium of a further index
- * loses the light that its facets hide. */
+/* How many indices of refraction have tables of rough glass in each other. Rough glass in a medium of a
+ * further index loses the light that its facets hide. */
 enum { RND_GLASS_INDICES = 6 };
 
-/* glTF 2.0 with its extensions; what other formats have is mapped to it. */
+/* A material of glTF 2.0 with its extensions. Materials of other formats are mapped to it. */
 struct rnd_material {
     enum rnd_material_kind kind;
     enum { RND_OPAQUE, RND_MASK, RND_BLEND } alpha_mode;
@@ -74,14 +74,14 @@ struct rnd_material {
     bool glossiness_mapped; /* roughness is not final: it becomes 1 - (1 - roughness) times the mean alpha of
                                the specular colour's map */
     float ior;
-    float f0;       /* reflectance of the non-metal ahead: ((ior - 1) / (ior + 1))^2 specular */
+    float f0;       /* reflectance of the non-metal at normal incidence: ((ior - 1) / (ior + 1))^2 specular */
     float specular; /* KHR_materials_specular: scales the reflectance of the non-metal */
     vec3s specular_colour;
     float transmission;
     bool thin;        /* transmits without bending: no KHR_materials_volume thickness */
     bool pane;        /* thin and smooth all over: light goes straight through */
     vec3s absorption; /* 1/m, inside: KHR_materials_volume */
-    uint16_t medium;  /* inside: one of the scene's, or 0: it has no inside that light gets to */
+    uint16_t medium;  /* the scene's medium that is inside; 0: light does not get inside */
     float clearcoat, clearcoat_roughness;
     vec3s sheen_colour;
     float sheen_roughness;
@@ -89,10 +89,10 @@ struct rnd_material {
     bool unlit;
     vec3s emission;    /* radiance, W sr-1 m-2 */
     bool double_sided; /* emits from both sides; light is scattered by both in any case */
-    bool one_sided;    /* not there for an eye that sees its back: glTF's back-face culling */
+    bool one_sided;    /* a camera does not see its back: glTF's back-face culling */
     struct rnd_map map[RND_MAPS];
-    /* If it is rough glass, the scene's tables of it in what has another index of refraction, by that index
-     * (struct rnd_medium). NULL where nothing is bent. */
+    /* Of rough glass: the scene's tables of it in media of other indices of refraction, by rnd_medium.index.
+     * NULL where light is not bent. */
     const struct rnd_glass *glass[RND_GLASS_INDICES];
 };
 
@@ -119,14 +119,14 @@ struct rnd_mesh {
     bool instanced;       /* in coordinates of its own, seen through instances alone; never a light */
 };
 
-/* A mesh once more, somewhere else. */
+/* A mesh that is shown at another place. */
 struct rnd_instance {
     uint32_t mesh;
-    float scale;              /* of lengths: the cube root of what volumes grow by */
+    float scale;              /* of lengths: the cube root of the factor by which volumes grow */
     float to_world[12];       /* 3 rows, 4 columns, column by column */
     float normal_to_world[9]; /* inverse transpose of its first three columns, column by column: normals keep
                                  their side, and lose their length */
-    bool mirrors;             /* it turns right hands into left ones: bitangents change their side */
+    bool mirrors;             /* it reverses handedness: bitangents change sides */
 };
 
 /* --- scene --- */
@@ -141,19 +141,19 @@ struct rnd_warnings {
 
 struct rnd_scene {
     struct rnd_scene_info info;
-    void *flat; /* what a reader has handed over, in which the meshes' arrays and textures' files are; NULL:
-                   these are malloc'ed */
+    void *flat; /* what a reader has handed over; holds the meshes' arrays and the textures' files. NULL:
+                   those are malloc'ed */
     size_t flat_bytes;
     struct rnd_image_program *image_program;
-    uint32_t reader_mib, reader_seconds; /* MiB; as the options have it, 0: by the file */
+    uint32_t reader_mib, reader_seconds; /* as in rnd_scene_options; 0: the default */
     _Atomic int64_t tree_bytes;          /* that Embree has taken */
     atomic_bool trees_too_large;         /* it asked for more than reader_mib, and did not get it */
-    const atomic_bool *cancel;           /* of the options, while the scene is loaded; then NULL */
+    const atomic_bool *cancel;           /* of the options; NULL once the scene is loaded */
     /* Where the scene's own coordinates begin, m: all but info is in these, since floats are too coarse far
      * from their origin. */
     double origin[3];
     char unsupported[1024];
-    struct rnd_files files; /* while it is imported; then info.files is in what was handed over */
+    struct rnd_files files;                      /* while the file is imported; later info.files has them */
     struct rnd_warnings warnings, late_warnings; /* of the file; of textures that came later */
     bool one_sided;                              /* some of the materials are */
     bool textures_measured;                      /* the sizes of their files are known */
@@ -169,29 +169,30 @@ struct rnd_scene {
     uint32_t instance_count;
     struct rnd_instance *instance;
     struct rnd_lights lights;
-    struct rnd_alpha *alpha; /* of the meshes that are not there everywhere, for Embree's filters */
+    struct rnd_alpha *alpha; /* of the meshes that have coverage, for Embree's filters */
     RTCDevice device;
     RTCScene tree;
     bool clear_glass; /* as struct rnd_scene_options has it */
-    /* With the ids of tree; NULL: there are none. */
-    RTCScene clear_tree;  /* of the meshes that rnd_is_clear() */
-    RTCScene border_tree; /* of those whose material has a medium */
+    /* Trees of some meshes, with the same ids as tree. NULL: there are no such meshes. */
+    RTCScene clear_tree;  /* of meshes for which rnd_is_clear() is true */
+    RTCScene border_tree; /* of meshes whose material has a medium */
 
-    /* While textures are read: the materials with all their maps; material are those that do without. */
+    /* While textures are read: the materials with all their maps. Those in material lack the maps whose
+     * textures are not read yet. */
     struct rnd_material *textured;
     pthread_t reader;
-    bool reading;          /* there is such a thread, or was and has not been joined */
-    atomic_bool read;      /* it is done */
+    bool reading;          /* the reader was started and has not been joined */
+    atomic_bool read;      /* the reader is done */
     atomic_bool cancelled; /* nobody wants the textures any more */
 };
 
-/* Free its arrays. */
+/* Free the arrays of a mesh. */
 void rnd_mesh_finish(struct rnd_mesh *mesh);
 
-/* Add a name to the list of what is asked for and not done, once. */
+/* Add a name to rnd_scene_info.unsupported, if it is not there. */
 void rnd_scene_unsupported(struct rnd_scene *scene, const char *name);
 
-/* Add a line, without its end. */
+/* Add a warning. The format has no line end. */
 void rnd_warn(struct rnd_warnings *warnings, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* The mesh that Embree hit: geometry ids of the tree are meshes, and from mesh_count on instances. Returns
@@ -240,7 +241,7 @@ static inline float rnd_interpolate(const float *attribute, int n, int c, const 
            v * attribute[(size_t)n * index[2] + c];
 }
 
-/* Where a map looks for barycentric (u, v) of a triangle. */
+/* The texture coordinates of a map at barycentric (u, v) of a triangle. */
 static inline void rnd_map_uv(const struct rnd_map *map, const struct rnd_mesh *mesh, const uint32_t index[3],
                               float u, float v, float out[2])
 {

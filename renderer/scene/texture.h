@@ -14,30 +14,30 @@
 
 enum { RND_MAX_LEVELS = 16 };
 
-/* How a texture goes on outside of [0,1). */
+/* How a texture continues outside of [0,1). */
 enum rnd_wrap { RND_REPEAT, RND_MIRROR, RND_CLAMP };
 
 struct rnd_level {
     int width, height;
-    size_t first; /* texel of it */
+    size_t first; /* its first texel */
 };
 
 struct rnd_texture {
     char *path;
     enum rnd_pixels_use use;
-    const void *file; /* bytes of a file in memory, which are the scene's, or NULL */
+    const void *file; /* bytes of a file in memory, which the scene owns; or NULL */
     size_t file_bytes;
     bool first;     /* asked for before the tree and the lights can be built */
     bool has_alpha; /* the file has a channel for it; else it is 1 everywhere */
     int levels;     /* 0: not read */
     char *error;    /* why it cannot be read: a line, or NULL */
-    struct {        /* what a reader says of the file, if it was asked */
+    struct {        /* what a reader says of the file; 0: it was not asked */
         int width, height;
         bool bytes;
     } measured;
-    int skip;        /* finest levels that there is no room for: they are never there */
+    int skip;        /* number of finest levels that are left out, as there is no room for them */
     float log2_size; /* of the square root of the finest level's texels */
-    struct rnd_level level[RND_MAX_LEVELS]; /* each half of the one before, the last a single texel */
+    struct rnd_level level[RND_MAX_LEVELS]; /* each half as large as the one before, down to one texel */
     uint8_t *bytes;                         /* RGBA, levels one behind the other; NULL if floats */
     float *floats;
 };

@@ -1,5 +1,4 @@
-/* Directions by their angles. In a file of its own, which needs no library: clients use it without a scene.
- */
+/* Directions from angles. This file needs no library, so that clients can use it without a scene. */
 #include "renderer.h"
 
 #include <math.h>

@@ -29,8 +29,8 @@ static void halve(const float *from, int width, int height, float *to)
     }
 }
 
-/* Texels of a row are narrower on the sphere than they are high: replace each by the mean over as many of
- * them, on either side, as are as wide as high. prefix has room for width + 1 sums. */
+/* On the sphere the texels of a row are narrower than high. Replace each by the mean over an interval around
+ * it that is as wide as a texel is high. prefix has room for width + 1 sums. */
 static void widen_row(float *row, int width, int y, int height, double (*prefix)[3])
 {
     const double wide = fmin(1.0 / rnd_row_weight(y, height), width);
@@ -89,7 +89,7 @@ static vec3s bilinear(const struct mipmap *map, int level, float u, float v)
     const int y0 = (int)floorf(y);
     vec3s sum = glms_vec3_zero();
     for (int r = 0; r < 2; r++) {
-        /* The row beyond a pole is the first one again, half a turn further. */
+        /* Beyond a pole is the same row again, half a turn further. */
         const int row = y0 + r, py = row < 0 ? -1 - row : row >= h ? 2 * h - 1 - row : row;
         const float x = (py == row ? u : u + 0.5f) * w - 0.5f;
         const int x0 = (int)floorf(x);
@@ -109,8 +109,8 @@ static vec3s trilinear(const struct mipmap *map, float u, float v, float level)
     return glms_vec3_lerp(bilinear(map, l0, u, v), bilinear(map, l1, u, v), l - (float)l0);
 }
 
-/* What a pixel of the view shows, a square of that side around (x, y) at distance 1: texels of all levels are
- * as wide on the sphere as they are high, so that its height alone tells the level. */
+/* Mean over a pixel of the view: a square of that side around (x, y) at distance 1. On the sphere the texels
+ * of every level are as wide as high, so the height of the pixel tells the level. */
 static vec3s pixel_mean(const struct mipmap *map, versors orientation, float x, float y, float pixel)
 {
     const vec3s middle = {{x, y, -1.0f}}, d = glms_quat_rotatev(orientation, glms_vec3_normalize(middle));
