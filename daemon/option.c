@@ -77,7 +77,7 @@ void dmn_option_help(const struct dmn_option *rows)
     }
     putchar('\n');
     dmn_print_columns(stdout, "  --help, --version", DMN_OPTION_COLUMN,
-                      "print this, or the version, and end");
+                      "print this help, or the version, and exit");
 }
 
 /* What the row's limits admit. */

@@ -179,7 +179,7 @@ static const struct dmn_option ROWS[] = {
      INTO(scene.env_path)},
     {.name = "env-turn",
      .argument = "DEG",
-     .help = "turn the environment map to the right; 0",
+     .help = "turn the environment map to the right; default: 0",
      INTO(scene.env_azimuth),
      .number = {.low = -360, .high = 360, .unit = "degrees"},
      .need = {{"--env"}}},
@@ -195,34 +195,32 @@ static const struct dmn_option ROWS[] = {
     {.name = "camera",
      .former = "eye",
      .argument = "X,Y,Z",
-     .help =
-         "where the camera is, m; without it, where the first camera of the file is, else the middle of the "
-         "scene; foveactl move takes it elsewhere",
+     .help = "position of the camera, m; default: that of the first camera in the file, else the middle of "
+             "the scene. foveactl move changes it",
      .take = take_camera,
      .number = {.count = 3, .low = -DMN_FARTHEST, .high = DMN_FARTHEST, .unit = "m"}},
     {.name = "watch",
-     .help =
-         "read the scene again whenever its file changes, the --env, or a file that the scene names in its "
-         "folder or in a folder inside that; if it cannot be read, the picture stays",
+     .help = "read the scene again when its file changes, or the --env, or a file that the scene names in "
+             "its own folder or a folder inside that; if the scene cannot be read, the picture stays",
      INTO(watch),
      .need = {{"the real clock", clock_is_real}}},
     {.name = "reader-memory",
      .argument = "MIB",
-     .help =
-         "the memory that a program which reads a file for fovead may use, and that Embree may use for the "
-         "scene's triangles; at least 64; default: 4096, or half of the machine's memory if that is less",
+     .help = "most memory of each program that reads files for fovead, and of Embree's trees of the scene; "
+             "at least 64; default: 4096, or half of the machine's memory if that is less",
      INTO(scene.reader_mib),
      .whole = {64, 1 << 24}},
     {.name = "reader-time",
      .argument = "S",
-     .help =
-         "seconds of processor time for reading a file, and ten times as many on the clock; default: 20, and "
-         "one more for every 2 MiB of the file. A file that takes more, or crashes its reader, is refused",
+     .help = "most processor time for reading a file, seconds; ten times as many may pass on the clock; "
+             "default: 20, and one more for every 2 MiB of the file. A file that takes longer, or crashes "
+             "its reader, is refused",
      INTO(scene.reader_seconds),
      .whole = {1, 1 << 20}},
     {.name = "size",
      .argument = "WxH | W",
-     .help = "film in pixels; W a multiple of 128, up to 32768, H half of it; 4096x2048",
+     .help = "size of the film in pixels: W is a multiple of 128, up to 32768, and H is half of W; default: "
+             "4096x2048",
      .take = take_size,
      .wants = "a width that is a multiple of 128, up to 32768, and half of it as height"},
     {.name = "bounces",
@@ -232,18 +230,18 @@ static const struct dmn_option ROWS[] = {
      .whole = {0, 1024}},
     {.name = "clamp",
      .argument = "L",
-     .help = "clamp light that has met a second surface to this luminance: fewer bright specks, and a darker "
-             "picture; default: nothing is clamped",
+     .help = "clamp indirect light to this luminance: fewer bright specks, but a darker picture; default: "
+             "nothing is clamped",
      INTO(render.firefly),
      .number = {.low = 0, .high = FLT_MAX, .open = true, .unit = "a luminance"}},
     {.name = "clear-glass",
      .help =
-         "let light straight through thick glass, rough up to 0.25: windows and bulbs light a room at once, "
-         "without caustics; default: light behind such glass is found by chance",
+         "let light pass straight through thick glass of roughness up to 0.25: windows and bulbs light a "
+         "room with little noise, but without caustics; default: light behind such glass is found by chance",
      INTO(scene.clear_glass)},
     {.name = "seed",
      .argument = "N",
-     .help = "seed of all random numbers; 0",
+     .help = "seed of all random numbers; default: 0",
      INTO(render.seed),
      .whole = {0, UINT64_MAX}},
     {.name = "threads",
@@ -259,20 +257,19 @@ static const struct dmn_option ROWS[] = {
      INTO(gaze),
      .value_at = gaze_at},
     {.name = "list-trackers",
-     .help =
-         "print which eye trackers are plugged in, what they can do, and why one cannot be opened; then end",
+     .help = "list the eye trackers that are plugged in, what they can do, and why one cannot be opened; "
+             "then exit",
      INTO(list_trackers)},
     {.name = "screen",
      .argument = "W,H,D",
-     .help =
-         "width and height of a HID tracker's screen and its distance from the eyes, m, if the tracker does "
-         "not say, or says it wrongly; 0.531,0.299,0.65",
+     .help = "width and height of a HID tracker's screen and its distance from the eyes, m, if the tracker "
+             "does not say, or is wrong; default: 0.531,0.299,0.65",
      INTO(screen.width_m),
      .number = {.count = 3, .low = 0.01, .high = 20, .unit = "m"},
      .need = {{"a --gaze that takes a screen", gaze_takes_screen}}},
     {.name = "calibration",
      .argument = "FILE",
-     .help = "calibration of the PlayStation VR2's user, as the device gave it",
+     .help = "the user's calibration of a PlayStation VR2, as the device gave it",
      INTO(calibration),
      .need = {{"a --gaze that takes a calibration", gaze_takes_calibration}}},
     {.name = "raw-gaze",
@@ -285,16 +282,13 @@ static const struct dmn_option ROWS[] = {
      .need = {{"a --gaze that comes from an eye", gaze_follows_eye}}},
     {.name = "record",
      .argument = "FILE",
-     .help = "record the gaze samples, as a log for replay:FILE; nothing but its last second can be lost",
+     .help = "record the gaze samples as a log for replay:FILE; a crash loses its last second at most",
      INTO(record),
      .need = {{"--gaze"}}},
-    {.name = "replace",
-     .help = "--record may replace a file of that name",
-     INTO(replace),
-     .need = {{"--record"}}},
+    {.name = "replace", .help = "let --record replace a file", INTO(replace), .need = {{"--record"}}},
     {.name = "speed",
      .argument = "F",
-     .help = "pace of a replay: 2 is twice as fast, 0 as fast as it can be read; 1",
+     .help = "pace of a replay: 2 is twice as fast, 0 as fast as the log can be read; default: 1",
      INTO(speed),
      .number = {.low = 0, .high = INFINITY},
      .need = {{"--gaze"}, {"the real clock", clock_is_real}}},
@@ -306,15 +300,14 @@ static const struct dmn_option ROWS[] = {
      .value_at = mode_at},
     {.name = "display-ppd",
      .argument = "N",
-     .help =
-         "pixels per degree of the display: samples are no denser than it can show; default: as dense as the "
-         "eye can use",
+     .help = "pixels per degree of the display: samples are no denser than the display can show; default: as "
+             "dense as the eye can use",
      INTO(display_ppd),
      .number = {.low = 1, .high = 1000, .unit = "pixels per degree"},
      .need = {{"--mode fv or fv-exact", mode_is_foveated}}},
     {.name = "fov",
      .argument = "X,Y",
-     .help = "field of view of vp, degrees; 100,100",
+     .help = "field of view of --mode vp, degrees; default: 100,100",
      .take = take_fov,
      .number = {.count = 2, .low = 0, .high = 180, .open = true, .unit = "degrees"},
      .need = {{"--mode vp", mode_has_viewport}}},
@@ -332,28 +325,26 @@ static const struct dmn_option ROWS[] = {
     {.help = "How it ends"},
     {.name = "until",
      .argument = "WHEN",
-     .help =
-         "256spp: so many paths per film pixel; 30s: so many seconds of rendering; converged: every tile has "
-         "converged (needs --mode od); end: the gaze recording has ended. Without it fovead runs until "
-         "SIGINT, SIGTERM or SIGHUP. A picture that begins anew, for a move or an edit, is counted anew",
+     .help = "256spp: after so many paths per film pixel; 30s: after so many seconds of rendering; "
+             "converged: when every tile has converged (needs --mode od); end: when the gaze recording has "
+             "ended; default: at SIGINT, SIGTERM or SIGHUP. When a move or an edit begins the picture anew, "
+             "the count begins anew too",
      .take = take_until,
      .wants = "a number with spp or s, converged, or end"},
     {.name = "save",
      .argument = "FILE.exr",
-     .help =
-         "at the end write colour, sample count and error channels, also when a signal ends fovead; but not "
-         "if another one comes a second or more after the first",
+     .help = "at the end write colour, sample counts and errors as channels, also when a signal ends fovead, "
+             "unless another signal comes a second or more after the first",
      .take = take_save,
      .target = offsetof(struct dmn_options, save),
      .wants = "a name that ends in .exr"},
     {.name = "json",
-     .help = "print the summary as one JSON object, alone on stdout; all else goes to stderr",
+     .help = "print the summary as one JSON object on stdout, and everything else on stderr",
      INTO(json)},
     {.name = "clock",
      .argument = "real|virtual",
-     .help = "virtual: recorded time passes by 5 ms for every batch of 4096 paths, however long they take, "
-             "so that "
-             "the same scene, log and seed give the same file byte for byte with any number of threads",
+     .help = "virtual: every batch of 4096 paths counts as 5 ms, however long it takes, so that the same "
+             "scene, log and seed give the same file byte for byte with any number of threads",
      .take = take_clock,
      .wants = "real or virtual"},
     {0},
@@ -365,18 +356,16 @@ static void help(void)
     printf("Usage: fovead --scene FILE [OPTION]...\n\n");
     dmn_print_columns(
         stdout, "", 0,
-        "Renders a 360-degree picture of a scene by path tracing, most of it where the eye looks, "
-        "and streams it to clients as it sharpens. See it with: foveactl watch, foveactl snapshot "
-        "FILE.png");
+        "Renders a 360-degree picture of a scene by path tracing, most samples where the eye looks, and "
+        "streams it to clients while it sharpens. To see it: foveactl watch, foveactl snapshot FILE.png");
     dmn_option_help(ROWS);
     printf("\n");
     dmn_print_columns(
         stdout, "", 0,
-        "With --until and without --listen no socket is opened: fovead renders, shows its progress, "
-        "saves and ends. Defaults are --gaze auto and --mode fv. With --until and without --gaze "
-        "there is no gaze and the mode is od, so that the whole picture gets the same; --until end "
-        "keeps auto and fv. --clock virtual implies --until end and opens a socket only with "
-        "--listen.");
+        "With --until and without --listen no socket is opened: fovead renders, shows its progress, saves "
+        "and exits. Defaults are --gaze auto and --mode fv. With --until and without --gaze there is no gaze "
+        "and the mode is od, so that the whole picture gets equally many samples; --until end keeps auto and "
+        "fv. --clock virtual implies --until end and opens a socket only with --listen.");
     printf("\nExample: a picture to keep\n"
            "  fovead --scene hall.gltf --env sky.hdr --until 256spp --save hall.exr\n");
 }

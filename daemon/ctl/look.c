@@ -56,7 +56,7 @@ static int run(const struct ctl *ctl)
 const struct ctl_command ctl_look = {
     .name = "look",
     .operands = "YAW,PITCH",
-    .summary = "move the gaze there, degrees (for fovead --gaze pointer)",
+    .summary = "point the gaze there, degrees (for fovead --gaze pointer)",
     .options = CTL_CONNECTION,
     .run = run,
 };

@@ -78,7 +78,7 @@ static int run(const struct ctl *ctl)
 const struct ctl_command ctl_move = {
     .name = "move",
     .operands = "X,Y,Z",
-    .summary = "move the camera there, metres, or with --by so far; the picture begins anew",
+    .summary = "move the camera there, or with --by so far, metres; the picture begins anew",
     .options = CTL_CONNECTION "json by",
     .run = run,
 };

@@ -35,7 +35,8 @@ static int run(const struct ctl *ctl)
 const struct ctl_command ctl_recentre = {
     .name = "recentre",
     .operands = "[YAW,PITCH]",
-    .summary = "say that the eye looks there now, or at the view's centre: all gaze is turned accordingly",
+    .summary =
+        "tell that the eye looks there now, or at the view's centre, so that all gaze is turned accordingly",
     .options = CTL_CONNECTION,
     .run = run,
 };

@@ -157,7 +157,7 @@ static int run(const struct ctl *ctl)
 const struct ctl_command ctl_samples = {
     .name = "samples",
     .operands = "FILE.exr OUT.png",
-    .summary = "draw where samples went, from a file that was saved",
+    .summary = "draw where the samples of a saved file fell",
     .options = "gaze",
     .run = CTL_NEEDS_IMAGES(run),
 };

@@ -45,7 +45,7 @@ static int run(const struct ctl *ctl)
 const struct ctl_command ctl_save = {
     .name = "save",
     .operands = "FILE.exr",
-    .summary = "have the daemon write colour, sample counts and errors",
+    .summary = "have the daemon write the film: colour, sample counts and errors",
     .options = CTL_CONNECTION,
     .run = run,
 };

@@ -308,7 +308,7 @@ static void answered(void **state)
               "    a                     the first letter\n"
               "    b                     the second letter\n"
               "\n"
-              "  --help, --version       print this, or the version, and end\n");
+              "  --help, --version       print this help, or the version, and exit\n");
     catch = begin(STDOUT_FILENO);
     assert_int_equal(parse("--vers", &v), DMN_OPTIONS_ANSWERED);
     assert_string_equal(end(&catch), "toy " FOVEAD_VERSION "\n");
