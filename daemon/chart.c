@@ -20,7 +20,7 @@ bool dmn_chart_begin(struct dmn_chart *chart, char out_error[DMN_FILE_ERROR_SIZE
     return false;
 }
 
-/* Does the chart end as one that is whole? */
+/* Does the chart have the end that a whole one has? */
 static bool is_whole(int drawn, const char *path)
 {
     static const char PNG_END[] = "IEND\xae\x42\x60\x82", SVG_END[] = "</svg>";
@@ -52,7 +52,7 @@ bool dmn_chart_end(struct dmn_chart *chart, const char *path, mode_t mode,
     int status = pclose(chart->commands);
     bool good = false;
 
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 127) /* the shell's word for it */
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 127) /* as the shell says that it found no such program */
         snprintf(out_error, DMN_FILE_ERROR_SIZE, "gnuplot is missing: apt-get install gnuplot-nox");
     else if (status || !is_whole(chart->drawn, path))
         snprintf(out_error, DMN_FILE_ERROR_SIZE, "%.300s: gnuplot could not draw it", path);

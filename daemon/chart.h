@@ -1,4 +1,4 @@
-/* chart: what gnuplot draws, as a file that is there whole or not at all. */
+/* chart: a chart that gnuplot draws, as a file that appears whole or not at all. */
 #ifndef FOVEAD_DAEMON_CHART_H
 #define FOVEAD_DAEMON_CHART_H
 
@@ -6,10 +6,10 @@
 
 struct dmn_chart {
     FILE *commands; /* to gnuplot, which draws to its standard output */
-    int drawn;      /* what it has drawn */
+    int drawn;      /* a file in memory, with what gnuplot has drawn */
 };
 
-/* False with a line in out_error, and nothing to end, on failure. */
+/* Start gnuplot. False with a line in out_error on failure; dmn_chart_end() is then not called. */
 bool dmn_chart_begin(struct dmn_chart *chart, char out_error[DMN_FILE_ERROR_SIZE]);
 
 /* Write the chart to a path that ends in .svg or .png, as the terminal that the commands have set, as a file

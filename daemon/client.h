@@ -39,7 +39,7 @@ struct dmn_answer {
     bool is_done, good;
     uint32_t request;
     uint64_t client_ns;
-    uint64_t generation; /* that a move begins; 0: it was no move, and camera is nothing */
+    uint64_t generation; /* that a Move begins; 0: the answer is to another request, and has no camera */
     float camera[3];     /* its position, m */
     char text[DMN_TEXT_SIZE];
 };
@@ -50,12 +50,12 @@ struct dmn_client {
     const struct dmn_handles *handles;
     const struct dmn_picture *picture;
     char peer[96];
-    unsigned checks;      /* since the client has been waited for, for Hello or for the rest of a message */
+    unsigned checks;      /* checks since the daemon began to wait for Hello, or for the rest of a message */
     bool greeted;         /* it has said Hello */
     bool partial;         /* a message had begun and not ended at the last check */
-    Fovea__Message *held; /* its Hello, as long as its token is not looked at; NULL: none is held */
-    uint64_t turn_ns;     /* when it is */
-    bool ending, bye_due; /* nothing but Bye is sent any more; it has not been */
+    Fovea__Message *held; /* its Hello, until the token in it is checked; NULL: none is held */
+    uint64_t turn_ns;     /* when the token is checked */
+    bool ending, bye_due; /* only Bye is still sent; it has not been sent yet */
 
     Fovea__Encoding encoding;
     uint32_t window; /* tiles that may be under way unacknowledged */
@@ -63,7 +63,7 @@ struct dmn_client {
     uint64_t gaze_cursor;
     struct dmn_answer answer[DMN_ANSWERS];
     unsigned first_answer, answers;
-    unsigned jobs; /* asked for and not yet done: each has a place among the answers */
+    unsigned jobs; /* asked for and not done; a place among the answers is kept for each */
 
     uint64_t serial, acknowledged; /* of tiles */
     uint64_t gaze_sequence;        /* the newest of the tiles sent */
@@ -84,7 +84,7 @@ bool dmn_client_answer(struct dmn_client *client, const struct dmn_answer *answe
 /* Queue a Done with that text. */
 bool dmn_client_done(struct dmn_client *client, uint32_t request, bool good, const char *text,
                      char out_error[PRO_ERROR_SIZE]);
-/* Ask for a job, whose Done has a place among the answers from now on. */
+/* Ask for a job, and keep a place among the answers for its Done. */
 bool dmn_client_ask(struct dmn_client *client, struct dmn_job *job, char out_error[PRO_ERROR_SIZE]);
 
 /* Pack a message whose body is content. malloc'ed, with the client's headroom before it; the caller frees.

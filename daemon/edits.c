@@ -1,4 +1,4 @@
-/* Edits of the scene's files: seen by inotify, taken up when they have settled. */
+/* Edits of the scene's files: inotify reports them, and the scene is read once they have settled. */
 #include <dirent.h>
 #include <errno.h>
 #include <libgen.h>
@@ -15,10 +15,10 @@
 #include "report.h"
 
 enum {
-    SETTLE_MS = 100,    /* without another change, until those there were are taken up */
-    PATIENCE_MS = 2000, /* but no longer than this after the first */
-    RETRY_MS = 1000,    /* between two looks for a folder that has gone */
-    MOST_NAMES = 64,    /* of changed files at a time; beyond, all count */
+    SETTLE_MS = 100,    /* without a further change, before edits are taken up */
+    PATIENCE_MS = 2000, /* the longest wait after the first change */
+    RETRY_MS = 1000,    /* between two searches for a folder that has gone */
+    MOST_NAMES = 64,    /* of changed files at a time; with more of them, any file counts as changed */
     MOST_FOLDERS = 256,
     NAME_SIZE = 256,
 };
@@ -36,13 +36,13 @@ struct dmn_edits {
     pthread_t thread;
     bool started;
     atomic_bool
-        stopped; /* set under the lock: nothing is taken up, no scene wanted and nobody woken any more */
+        stopped; /* set under the lock: ignore edits, abandon a scene that is being read, and wake nobody */
 
-    char *files; /* that the scene in use names: files_bytes bytes of paths, each with its NUL */
+    char *files; /* files that the scene in use names: files_bytes bytes of paths, each with its NUL */
     size_t files_bytes;
 
     /* What has changed since the last time. */
-    bool dirty;                          /* the scene, certainly */
+    bool dirty;                          /* the scene is known to have changed */
     char changed[MOST_NAMES][NAME_SIZE]; /* files that may be the scene's */
     int count;
 
@@ -60,8 +60,8 @@ static const char *base_of(const char *path)
     return slash ? slash + 1 : path;
 }
 
-/* Is one of the changed files called as one that the scene names? In any letter case, since a file that is
- * not there as it is written is found so. */
+/* Has one of the changed files a name that the scene uses? Letter case is ignored, as it is when the scene's
+ * files are looked for. */
 static bool names_one(const struct dmn_edits *edits)
 {
     for (size_t at = 0; at < edits->files_bytes; at += strlen(edits->files + at) + 1)
@@ -70,13 +70,14 @@ static bool names_one(const struct dmn_edits *edits)
     return false;
 }
 
-/* What files an edit names that was not taken is not known: one that was missing may have come. */
+/* After an edit that could not be read it is not known which files the scene names: a missing one may have
+ * come. */
 static bool concerns_scene(const struct dmn_edits *edits)
 {
     return edits->dirty || (edits->count > 0 && (*edits->words.refused || names_one(edits)));
 }
 
-/* Keep what files a scene names. False if memory is short. */
+/* Remember which files a scene names. False if memory is short. */
 static bool keep_files(struct dmn_edits *edits, const struct rnd_scene_info *info)
 {
     char *files = malloc(info->files_bytes + 1);
@@ -91,7 +92,8 @@ static bool keep_files(struct dmn_edits *edits, const struct rnd_scene_info *inf
 
 /* --- what changes --- */
 
-/* Folders in the scene's own; textures are often there. One that cannot be watched is not. */
+/* Watch the folders in the scene's folder, where textures often are. A folder that cannot be watched is left
+ * out. */
 static void watch_within(const struct dmn_edits *edits)
 {
     DIR *folder = opendir(edits->folder);
@@ -108,7 +110,7 @@ static void watch_within(const struct dmn_edits *edits)
     if (folder) closedir(folder);
 }
 
-/* Is a folder not there that should be watched? */
+/* Is a folder missing that should be watched? */
 static bool has_lost(const struct dmn_edits *edits)
 {
     return edits->watch < 0 || (edits->env_watch < 0 && *edits->env_name);
@@ -138,7 +140,7 @@ static void note(struct dmn_edits *edits, const struct inotify_event *event)
         if (event->wd == edits->env_watch) edits->env_watch = -1;
     }
     if (!event->len || strlen(event->name) >= NAME_SIZE) return;
-    if (!is_folder && !(event->mask & (IN_CLOSE_WRITE | IN_MOVED_TO))) return; /* as yet empty */
+    if (!is_folder && !(event->mask & (IN_CLOSE_WRITE | IN_MOVED_TO))) return; /* the file is still empty */
     if (is_folder && event->wd == edits->watch) watch_within(edits);
     if (event->wd == edits->watch && !strcmp(event->name, edits->name)) edits->dirty = true;
     if (event->wd == edits->env_watch && !strcmp(event->name, edits->env_name)) edits->dirty = true;
@@ -165,7 +167,7 @@ static void read_events(struct dmn_edits *edits)
         }
 }
 
-/* Wait for changes; -1: it is to stop, 0: time is up. */
+/* Wait for changes. Returns -1 if the thread must stop, 0 after timeout_ms. */
 static int wait_for(struct dmn_edits *edits, int timeout_ms)
 {
     struct pollfd wait[2] = {{.fd = edits->stop, .events = POLLIN}, {.fd = edits->inotify, .events = POLLIN}};
@@ -189,8 +191,7 @@ static void tell(struct dmn_edits *edits, const char *line_or_null, const char *
     pthread_mutex_unlock(&edits->lock);
 }
 
-/* A broken scene that is read again because another file has changed is no news if it is as broken as before.
- */
+/* If another file has changed and the scene is broken as before, this is not said again. */
 static void refuse(struct dmn_edits *edits, const char *error)
 {
     if (!edits->dirty && !strcmp(error, edits->words.refused)) return;

@@ -15,12 +15,12 @@
 #include <unistd.h>
 
 enum { DIGITS = 8, TRIES = 100 };
-static const char MARK[] = ".fovead-", END[] = ".part"; /* around the digits */
+static const char MARK[] = ".fovead-", END[] = ".part"; /* before and after the digits of a part's name */
 
 static bool fail(char out_error[DMN_FILE_ERROR_SIZE], const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* One line, whatever the path holds. */
+/* Write one line, even if the path has line ends. */
 static bool fail(char out_error[DMN_FILE_ERROR_SIZE], const char *format, ...)
 {
     va_list args;
@@ -60,7 +60,7 @@ static bool is_part(const char *entry)
            strspn(digits, "0123456789abcdef") == DIGITS && !strcmp(digits + DIGITS, END);
 }
 
-/* A file of this user's that no program holds a lock on: locked, or -1. */
+/* Open and lock a part of this user's that no program has locked; -1 if it is no such file. */
 static int open_abandoned(int folder, const char *entry)
 {
     int fd = openat(folder, entry, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
@@ -73,7 +73,7 @@ static int open_abandoned(int folder, const char *entry)
     return -1;
 }
 
-/* In the folder of path. */
+/* Remove parts that killed programs have left in the folder of path. */
 static void remove_leftovers(const char *path)
 {
     int fd = open_folder(path);
@@ -134,7 +134,7 @@ static bool name_part(struct dmn_file *file)
            asprintf(&file->part, "%s%s%08x%s", file->path, MARK, (unsigned)number, END) >= 0;
 }
 
-/* A file without a name can get one by way of /proc alone. */
+/* A file without a name can be given one only by way of /proc. */
 static int open_unnamed(const char *path, mode_t mode)
 {
     char *copy = access("/proc/self/fd", X_OK) ? NULL : strdup(path);
@@ -144,7 +144,8 @@ static int open_unnamed(const char *path, mode_t mode)
     return fd;
 }
 
-/* Locked, so that no other program takes it for a leftover: one that did so before has removed it. */
+/* Open a part, locked so that no other program removes it as abandoned; one that did so before the lock has
+ * removed it. */
 static int open_named(struct dmn_file *file, mode_t mode)
 {
     struct stat status;
@@ -203,8 +204,8 @@ void dmn_file_drop(struct dmn_file *file)
     finish(file);
 }
 
-/* A file without a name gets that of a part. It could get the path at once where that is free, but programs
- * that wait for files to be closed or moved there would not see it come. */
+/* Give a file without a name that of a part. It could get the path at once if that is free, but programs that
+ * watch for files that are closed or moved there would not notice. */
 static bool give_name(struct dmn_file *file)
 {
     char self[32];
@@ -222,13 +223,13 @@ static bool move_into_place(struct dmn_file *file)
 
     if (!file->named && !give_name(file)) return false;
     moved = !renameat2(AT_FDCWD, file->part, AT_FDCWD, file->path, flags);
-    /* Where the file system cannot tell, dmn_file_begin() has: the path was free. */
+    /* If the file system cannot check that the path is free, rely on the check of dmn_file_begin(). */
     if (!moved && (errno == EINVAL || errno == ENOSYS)) moved = !rename(file->part, file->path);
     if (moved) file->named = false;
     return moved;
 }
 
-/* Its new name is on the disk when its folder is; not every file system can be asked for that. */
+/* Sync the folder, so that the file's new name is on the disk. Not every file system can do so. */
 static bool sync_folder(const char *path)
 {
     int fd = open_folder(path);
@@ -238,7 +239,7 @@ static bool sync_folder(const char *path)
     return good;
 }
 
-/* stdio remembers that a write failed, but not why: another one tells. */
+/* stdio remembers that a write failed, but not why: write again to learn it. */
 bool dmn_file_is_written(FILE *file)
 {
     if (fflush(file)) return false;

@@ -1,5 +1,5 @@
-/* fovead: the daemon. It loads, opens what clients connect to, starts the threads, serves, and takes all down
- * again. */
+/* fovead: the daemon. It loads the scene, opens its sockets, starts its threads, serves clients, and ends all
+ * of that in order. */
 #include <errno.h>
 #include <sched.h>
 #include <signal.h>
@@ -22,21 +22,21 @@
 #include "streams.h"
 #include "trackers.h"
 
-/* A batch of 2.2 ms is what a gaze waits for before it has a tile; shorter ones cost paths. Without gaze or
- * client longer ones do. */
+/* How long a batch takes. A new gaze waits for it, but shorter batches trace fewer paths per second. Without
+ * gaze or clients longer ones serve. */
 static const double STEERED_SECONDS = 0.0022, UNSTEERED_SECONDS = 0.05;
 
-/* GNU timeout signals a program and then the group that it is in; a closed terminal signals all that ran in
- * it, and the shell does so again. */
+/* Signals within this time are one request: GNU timeout signals a program and then its group; a closed
+ * terminal signals all that ran in it, and so does the shell. */
 static const int64_t SAME_REQUEST_NS = 1000000000;
 
 /* What a signal handler can reach. */
 static int signal_fd = -1;
-static atomic_bool serving;                /* any thread may have to take the signal */
+static atomic_bool serving;                /* any thread may receive the signal */
 static atomic_uint_least64_t signalled_ns; /* when the first signal came; 0: none has */
 
-/* The first signal ends the daemon in order. One a second or more later, or one before there is anything to
- * put in order, ends it at once. */
+/* The first signal ends the daemon in order. A signal a second or more later, or before the daemon serves,
+ * ends it at once. */
 static void on_signal(int number)
 {
     const uint64_t one = 1, now_ns = dmn_now_ns();
@@ -79,7 +79,7 @@ static bool handle_signals(void)
     if (signal_fd < 0 || sigaction(SIGINT, &action, NULL) || sigaction(SIGTERM, &action, NULL) ||
         sigaction(SIGHUP, NULL, &before))
         return false;
-    /* nohup(1): it is to go on when the terminal is closed. */
+    /* After nohup(1) the daemon goes on when the terminal is closed. */
     return before.sa_handler == SIG_IGN || !sigaction(SIGHUP, &action, NULL);
 }
 
@@ -95,10 +95,10 @@ static bool load(struct daemon *daemon)
     if (!options->render.threads)
         options->render.threads =
             sched_getaffinity(0, sizeof(processors), &processors) ? 1 : CPU_COUNT(&processors);
-    /* Better now than after a night of rendering. */
+    /* Check now, not after a night of rendering. */
     if (options->save && !dmn_file_check(options->save, true, error)) return fail(error);
     handles->options = options;
-    /* First of all, because it takes a while; it is there until the end, when the film is saved. */
+    /* Starting this program takes a while, so it comes first. It runs until the film is saved. */
     options->scene.image_program = rnd_image_program_create();
     if (!options->scene.image_program) return fail("out of memory");
     if (!rnd_image_program_start(options->scene.image_program, error)) return fail(error);
@@ -106,7 +106,7 @@ static bool load(struct daemon *daemon)
     handles->gaze = dmn_gaze_open(options, error);
     if (!handles->gaze) return fail(error);
     if (options->watch && !(handles->edits = dmn_edits_create(&options->scene, error))) return fail(error);
-    scene.textures_later = !options->virtual_clock; /* when they come is no two times the same */
+    scene.textures_later = !options->virtual_clock; /* when textures come differs from run to run */
     daemon->scene = rnd_scene_load(&scene, error);
     if (!daemon->scene) return fail(error);
     handles->render = rnd_render_create(daemon->scene, &options->render, error);
@@ -224,7 +224,7 @@ static bool start(struct daemon *daemon)
     return true;
 }
 
-/* After print_start(), which tells of the scene as it was at first. */
+/* Call it after print_start(), which describes the scene as first loaded. */
 static bool start_edits(struct daemon *daemon)
 {
     struct dmn_handles *handles = &daemon->handles;
@@ -234,7 +234,7 @@ static bool start_edits(struct daemon *daemon)
     return !handles->edits || dmn_edits_start(handles->edits, &options) || fail("no thread can be made");
 }
 
-/* Stop every thread and part from every client; the film is then complete and still. */
+/* Stop all threads and disconnect all clients; the film then changes no more. */
 static void stop(struct daemon *daemon, struct dmn_work *out_work)
 {
     struct dmn_handles *handles = &daemon->handles;

@@ -1,4 +1,4 @@
-/* When a client's token is looked at. */
+/* When a client's token is checked. */
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <string.h>
@@ -22,7 +22,7 @@ uint64_t dmn_gate_key(const struct sockaddr_storage *address)
     return ntohl(v4.s_addr) >> 24 == IN_LOOPBACKNET ? INADDR_LOOPBACK : ntohl(v4.s_addr);
 }
 
-/* The place of that address, or the one that it takes over. */
+/* The place of that address, or the place that it takes over. */
 static uint64_t *next_of(struct dmn_gate *gate, uint64_t key)
 {
     int soonest = 0;

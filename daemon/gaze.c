@@ -37,7 +37,7 @@ struct dmn_gaze {
     pthread_mutex_t lock; /* of all that follows */
     struct trk_attention *attention;
     struct trk_aim decision; /* the last */
-    uint64_t decided_ns;     /* when that was */
+    uint64_t decided_ns;     /* when it was decided */
     struct rnd_aim aim;
     float taken[3];    /* the direction that the painter's batch is aimed at */
     float measured[3]; /* the last gaze, and whether the newest sample has one */
@@ -46,14 +46,14 @@ struct dmn_gaze {
     float view[4], view_fov[2];
     uint64_t samples, valid;
     struct trk_status status;
-    bool has_rotation; /* one was kept at an earlier start, for eye trackers */
-    bool recentred;    /* a device was seen, so that the rotation is in use if there is one */
+    bool has_rotation; /* a rotation for eye trackers was kept at an earlier start */
+    bool recentred;    /* a device was seen, and the rotation, if there is one, is in use */
     float rotation[4];
     uint64_t count;                    /* samples and decisions for clients so far: */
     struct dmn_gaze_sample kept[KEPT]; /* number n is at n % KEPT */
 };
 
-/* The recording that comes with fovead: beside an installed program, else in the source tree. */
+/* Path of the recording that comes with fovead: beside an installed program, else in the source tree. */
 static const char *shipped_log(char *buffer, size_t size)
 {
     ssize_t length = readlink("/proc/self/exe", buffer, size - 1);
@@ -90,7 +90,7 @@ static bool open_source(struct dmn_gaze *gaze, const struct dmn_options *options
     }
     if (!(gaze->source = trk_open(&source, out_error))) return false;
     gaze->waits_after_end = kind->waits_after_end;
-    if (!kind->follows_eye) attention.raw = true; /* it is where its user puts it */
+    if (!kind->follows_eye) attention.raw = true; /* the gaze is where its user points */
     attention.silence_is_rest = kind->rests_when_silent;
     if (!(gaze->attention = trk_attention_create(&attention))) {
         snprintf(out_error, TRK_ERROR_SIZE, "out of memory");
@@ -174,7 +174,7 @@ static void keep(struct dmn_gaze *gaze, const struct trk_sample *sample_or_null)
     gaze->kept[++gaze->count % KEPT] = next;
 }
 
-/* True if clients should be told. */
+/* Decide the aim. True if clients should be told. */
 static bool decide(struct dmn_gaze *gaze, const struct trk_sample *sample_or_null, uint64_t now_ns)
 {
     struct trk_aim before = gaze->decision, *now = &gaze->decision;
@@ -223,7 +223,7 @@ static void note_status(struct dmn_gaze *gaze, const struct trk_status *status)
 
 /* --- the source --- */
 
-/* Read once. True while more may come. *out_news: clients should be told. */
+/* Read one sample. True while more may come. *out_news: clients should be told. */
 static bool read_one(struct dmn_gaze *gaze, uint64_t until_ns, enum trk_result *out_result, bool *out_news)
 {
     char error[TRK_ERROR_SIZE];
@@ -244,7 +244,7 @@ static bool read_one(struct dmn_gaze *gaze, uint64_t until_ns, enum trk_result *
     if (*out_result == TRK_SAMPLE)
         accept(gaze, &sample, now_ns);
     else if (*out_result != TRK_TIMEOUT)
-        gaze->ended = true; /* an end is no silence: the aim stays where it was */
+        gaze->ended = true; /* the end is not taken for silence: the aim stays where it was */
     else
         *out_news = !gaze->ended && decide(gaze, NULL, now_ns);
     pthread_mutex_unlock(&gaze->lock);

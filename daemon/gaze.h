@@ -13,7 +13,7 @@
 
 struct dmn_gaze;
 
-/* What a client is told after each sample, and after each decision that a silence led to. */
+/* What a client is told after each sample, and after each decision that followed from silence. */
 struct dmn_gaze_sample {
     uint64_t sequence, device_ns, sensor_ns, arrival_ns;
     float direction[3]; /* the gaze: unit, world; the last valid one if this sample has none */
@@ -41,7 +41,7 @@ void dmn_gaze_close(struct dmn_gaze *gaze); /* accepts NULL; after dmn_gaze_stop
 /* Read the source in a thread of its own, which calls wake(context) after each sample and decision. */
 bool dmn_gaze_start(struct dmn_gaze *gaze, void (*wake)(void *context), void *context);
 void dmn_gaze_stop(struct dmn_gaze *gaze);
-/* The virtual clock: take every sample up to now_ns. */
+/* With the virtual clock: take every sample up to now_ns. */
 void dmn_gaze_advance(struct dmn_gaze *gaze, uint64_t now_ns);
 
 /* The aim for the painter's next batch. Its sequence and time are those of the newest sample that it answers.
@@ -52,7 +52,7 @@ void dmn_gaze_state(struct dmn_gaze *gaze, struct dmn_gaze_state *out_state);
 /* Take the oldest kept sample after number *cursor (numbers count from 1), and move the cursor to it. Cursor
  * 0 starts with the newest. False if there is none. */
 bool dmn_gaze_next(struct dmn_gaze *gaze, uint64_t *cursor, struct dmn_gaze_sample *out_sample);
-/* Would dmn_gaze_next() find one? */
+/* Is there a sample for dmn_gaze_next()? */
 bool dmn_gaze_has_next(struct dmn_gaze *gaze, uint64_t cursor);
 
 void dmn_gaze_freeze(struct dmn_gaze *gaze, bool frozen);

@@ -1,4 +1,4 @@
-/* handles: the parts of a running daemon, for those who serve clients. */
+/* handles: the parts of a running daemon, for the files that serve clients. */
 #ifndef FOVEAD_DAEMON_HANDLES_H
 #define FOVEAD_DAEMON_HANDLES_H
 

@@ -1,14 +1,15 @@
-/* How a client comes in. */
+/* A client's Hello, and the check of its token. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "hello.h"
 
-/* Tiles under way unacknowledged, unless the client asks for another number; and the most it may ask for. */
+/* Tiles that may be under way unacknowledged, if the client does not ask for a number; and the largest such
+ * number. */
 enum { WINDOW = 64, MOST_WINDOW = 1024 };
 
-/* What the client calls itself joins its name in the log, as far as it is plain text. */
+/* Append what the client calls itself to its name in the log, without control characters. */
 static void note_name(struct dmn_client *client, const char *name)
 {
     size_t length = strlen(client->peer), room = sizeof(client->peer) - 1;

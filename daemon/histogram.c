@@ -3,7 +3,7 @@
 
 #include "histogram.h"
 
-/* Bins a doubling: 2^(1/32) is 2.2 per cent, so the middle of a bin is right to 1.1. */
+/* Bins per doubling: each is 2.2 per cent wide, so its middle is right to 1.1 per cent. */
 enum { PER_OCTAVE = 32, BINS = sizeof(((struct dmn_histogram *)0)->bin) / sizeof(uint32_t) };
 
 static const double SHORTEST = 1e-6;

@@ -1,4 +1,4 @@
-/* Pictures as files that are there whole or not at all. */
+/* Pictures as files that appear whole or not at all. */
 #include "image.h"
 
 #include "file.h"

@@ -6,7 +6,8 @@
 
 extern const struct dmn_job_kind dmn_job_save;       /* write the film to path */
 extern const struct dmn_job_kind dmn_job_record;     /* record gaze samples to path from now on */
-extern const struct dmn_job_kind dmn_job_record_end; /* end that */
-extern const struct dmn_job_kind dmn_job_recentre;   /* turn all gaze to target, and keep that */
+extern const struct dmn_job_kind dmn_job_record_end; /* end the recording */
+extern const struct dmn_job_kind dmn_job_recentre;   /* turn all gaze so that it is at target, and keep the
+                                                        rotation */
 
 #endif

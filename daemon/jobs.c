@@ -15,7 +15,7 @@ struct dmn_jobs {
     pthread_mutex_t lock; /* of all that follows */
     pthread_cond_t changed;
     bool stop;
-    /* A ring: first the jobs that are done, then those that wait. */
+    /* A ring: first jobs that are done, then jobs that wait. */
     struct dmn_job job[DMN_JOBS];
     unsigned first, done, count;
 };
@@ -32,7 +32,7 @@ static void *run(void *argument)
             pthread_cond_wait(&jobs->changed, &jobs->lock);
             continue;
         }
-        /* Its place in the ring is this thread's until it is marked done. */
+        /* Only this thread uses the job's place in the ring until the job is marked done. */
         job = &jobs->job[(jobs->first + jobs->done) % DMN_JOBS];
         pthread_mutex_unlock(&jobs->lock);
         job->good = job->kind->run(jobs->handles, job);

@@ -1,5 +1,5 @@
-/* jobs: what clients ask for that waits for the disk, done one after the other in a thread of its own, so
- * that the loop never waits. What kinds of job there are is in job_kinds.h. */
+/* jobs: requests of clients that wait for the disk. A thread of their own does one after the other, so that
+ * the loop never waits. job_kinds.h has the kinds of job. */
 #ifndef FOVEAD_DAEMON_JOBS_H
 #define FOVEAD_DAEMON_JOBS_H
 
@@ -11,28 +11,29 @@ enum { DMN_JOBS = 8 }; /* waiting at most */
 struct dmn_job;
 
 struct dmn_job_kind {
-    /* The jobs' thread: do it, and write what was done, or why not, to job->text. False: it was not done. */
+    /* Do the job, in the jobs' thread, and write into job->text what was done, or why not. False if it was
+     * not done. */
     bool (*run)(const struct dmn_handles *handles, struct dmn_job *job);
 };
 
 struct dmn_job {
     const struct dmn_job_kind *kind;
-    unsigned client; /* who asked */
+    unsigned client; /* number of the client that asked */
     uint32_t request;
     char path[1024];          /* of the file to write */
-    bool replace;             /* what path names may exist */
-    bool has_target;          /* of recentring: */
+    bool replace;             /* an existing file may be replaced */
+    bool has_target;          /* of recentring; else the view's centre: */
     float target[3];          /* unit, world */
-    bool good;                /* when it is done: */
+    bool good;                /* once the job is done: */
     char text[DMN_TEXT_SIZE]; /* what was done, or why not */
 };
 
 struct dmn_jobs;
 
-/* wake(context) is called whenever a job is done. NULL if memory is short or no thread can be made. */
+/* Calls wake(context) after every job. NULL if memory is short or no thread can be made. */
 struct dmn_jobs *dmn_jobs_start(const struct dmn_handles *handles, void (*wake)(void *context),
                                 void *context);
-/* Accepts NULL; the job under way is finished, the rest is not begun. */
+/* Finish the job under way, and begin no other. Accepts NULL. */
 void dmn_jobs_destroy(struct dmn_jobs *jobs);
 
 /* Ask for a job; false if too many wait already. */

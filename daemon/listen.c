@@ -14,7 +14,7 @@
 
 #include "listen.h"
 
-/* Bytes under way to a client before it counts as slow: more would only be stale by the time it is seen. */
+/* Bytes that may be under way to a client: with more, tiles would be stale when they are seen. */
 enum { SEND_BUFFER = 256 << 10, BACKLOG = 16 };
 
 static bool fail(const struct pro_address *address, char out_error[PRO_ERROR_SIZE], const char *format, ...)
@@ -38,8 +38,8 @@ static void name_lock(const struct pro_address *address, char *out_name, size_t 
     snprintf(out_name, size, "%s.lock", address->path);
 }
 
-/* Lock the file beside the socket from before the old socket is looked at until the listener ends: of daemons
- * that start at once, one might otherwise remove another's new socket. */
+/* Lock the file beside the socket before the old socket is checked, and until the listener ends. Otherwise
+ * one of two daemons that start at once might remove the new socket of the other. */
 static bool lock(struct dmn_listener *listener, char out_error[PRO_ERROR_SIZE])
 {
     const struct pro_address *address = &listener->address;
@@ -61,7 +61,7 @@ static bool lock(struct dmn_listener *listener, char out_error[PRO_ERROR_SIZE])
             return fail(address, out_error, "in use by a running daemon");
         }
         if (!lstat(name, &there) && there.st_dev == own.st_dev && there.st_ino == own.st_ino) break;
-        /* A daemon that ended meanwhile has removed this one, which keeps nobody out. */
+        /* A daemon that ended meanwhile has removed this file: its lock keeps nobody out. */
         close(fd);
     }
     listener->lock = fd;
@@ -86,7 +86,7 @@ static bool make_way(const struct pro_address *address, const struct sockaddr_un
     result = connect(fd, (const struct sockaddr *)name, sizeof(*name));
     cause = errno;
     close(fd);
-    /* EAGAIN: someone listens, and is busy. */
+    /* EAGAIN: a daemon listens, and is busy. */
     if (!result || cause == EAGAIN) return fail(address, out_error, "in use by a running daemon");
     if (cause != ECONNREFUSED) return fail(address, out_error, "%s", strerror(cause));
     if (unlink(address->path))
@@ -171,7 +171,7 @@ void dmn_listener_finish(struct dmn_listener *listener)
     listener->inode = 0;
     if (listener->lock < 0) return;
     name_lock(&listener->address, name, sizeof(name));
-    unlink(name); /* which nobody else has locked */
+    unlink(name); /* nobody else has locked it */
     close(listener->lock);
     listener->lock = -1;
 }
@@ -183,7 +183,7 @@ bool dmn_peer_is_own(const struct dmn_peer *peer)
     return peer->is_local && (peer->user == geteuid() || peer->user == 0);
 }
 
-/* False if the system does not say who it is. */
+/* False if the system does not tell the user. */
 static bool meet_unix(int fd, struct dmn_peer *out_peer)
 {
     struct ucred who;
@@ -220,7 +220,7 @@ int dmn_listener_accept(struct dmn_listener *listener, struct dmn_peer *out_peer
         close(fd);
     }
     if (fd < 0) {
-        /* Out of descriptors: the listener stays readable, so take a breath instead of spinning. */
+        /* Out of descriptors: the listener stays readable, so pause a little. */
         if (errno == EMFILE || errno == ENFILE) poll(NULL, 0, 10);
         return -1;
     }

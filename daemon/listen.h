@@ -1,4 +1,4 @@
-/* listen: sockets that clients connect to, and what may be opened at all. */
+/* listen: the sockets that clients connect to, and which of them may be opened. */
 #ifndef FOVEAD_DAEMON_LISTEN_H
 #define FOVEAD_DAEMON_LISTEN_H
 
@@ -10,9 +10,9 @@
 struct dmn_listener {
     struct pro_address address;
     int fd;   /* non-blocking */
-    int lock; /* of a Unix socket: the file beside it that is locked as long as it is listened on; -1: none */
-    const char *token; /* clients must know it; NULL if none is needed */
-    dev_t device;      /* of a Unix socket, so that only our own is removed */
+    int lock; /* of a Unix socket: the file beside it, which is locked while it is listened on; else -1 */
+    const char *token; /* that clients must know; NULL: they need none */
+    dev_t device;      /* of a Unix socket, so that no other one is removed */
     ino_t inode;
 };
 
@@ -23,21 +23,21 @@ struct dmn_listener {
  * it with dmn_listener_finish(). */
 bool dmn_listener_init(struct dmn_listener *listener, const struct pro_address *address, const char *token,
                        char out_error[PRO_ERROR_SIZE]);
-/* Close, and remove a Unix socket from its folder. */
+/* Close it; a Unix socket is removed from its folder. */
 void dmn_listener_finish(struct dmn_listener *listener);
 
-/* Who is at the other end of a socket. */
+/* A client at the other end of a socket. */
 struct dmn_peer {
     char name[96]; /* for people */
     uint64_t key;  /* for the gate */
-    bool is_local; /* a process on this machine, by a Unix socket: */
-    uid_t user;    /* whose */
+    bool is_local; /* a process on this machine, on a Unix socket; then: */
+    uid_t user;    /* the user that it runs as */
 };
 
-/* Is it a process of this user, or of root, by a Unix socket? */
+/* Is it a process of this user or of root, on a Unix socket? */
 bool dmn_peer_is_own(const struct dmn_peer *peer);
 
-/* The next client: a non-blocking socket, and in out_peer who it is; -1 if no more are waiting. */
+/* Accept the next client. Returns a non-blocking socket, or -1 if no more are waiting. */
 int dmn_listener_accept(struct dmn_listener *listener, struct dmn_peer *out_peer);
 
 #endif

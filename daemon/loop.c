@@ -16,7 +16,7 @@
 
 enum {
     MOST_CLIENTS = 64,
-    MOST_STRANGERS = 16, /* of them, whose token has not been looked at: they leave room for others */
+    MOST_STRANGERS = 16, /* of them, clients whose token has not been checked: they leave room for others */
     MOST_FDS = MOST_CLIENTS + DMN_MAX_LISTEN + 16, /* and what libwebsockets needs itself */
     MOST_PROTOCOLS = 8,
 };
@@ -27,7 +27,7 @@ enum {
 static const uint64_t UPDATE_NS = 1000000, LONGEST_PAUSE_NS = 100000000;
 enum { UPDATE_SHARE = 10 };
 
-/* How long the end waits for clients that do not read. */
+/* How long to wait at the end for clients that do not read. */
 static const lws_usec_t BYE_US = 1000000;
 
 static const lws_usec_t TICK_US = 1000000 / DMN_CHECKS_A_SECOND;
@@ -39,7 +39,7 @@ struct dmn_loop {
     struct lws_context *context;
     struct lws_vhost *vhost;
     struct dmn_connection *connections;
-    unsigned numbers; /* given to clients so far */
+    unsigned numbers; /* numbers given to clients so far */
     lws_sorted_usec_list_t tick, update, bye;
     bool update_waits;
     uint64_t updated_ns, update_cost_ns;
@@ -233,7 +233,7 @@ static bool open_context(struct dmn_loop *loop)
     if (!(loop->context = lws_create_context(&info)) ||
         !(loop->vhost = lws_create_vhost(loop->context, &info)))
         return false;
-    /* Every descriptor that it adopts it also closes. */
+    /* libwebsockets closes every descriptor that it adopts. */
     if ((fd = dup(loop->options.signal_fd)) < 0 || !adopt_file(loop, fd, "signal", NULL)) return false;
     for (int i = 0; i < loop->options.listeners; i++) {
         struct dmn_listener *listener = &loop->options.listener[i];
@@ -291,7 +291,7 @@ static bool has_more_to_send(struct dmn_loop *loop)
     return more;
 }
 
-/* Tell every client that this is the end, and no crash. */
+/* Tell every client that the daemon ends in order. */
 static void say_bye(struct dmn_loop *loop)
 {
     for (struct dmn_connection *c = loop->connections; c; c = c->next) dmn_session_end(c->client);

@@ -19,13 +19,13 @@ struct dmn_loop_options {
     void *context;
 };
 
-/* The listeners remain the caller's. NULL with a line in out_error on failure. */
+/* The caller keeps the listeners. NULL with a line in out_error on failure. */
 struct dmn_loop *dmn_loop_create(const struct dmn_loop_options *options, char out_error[PRO_ERROR_SIZE]);
-void dmn_loop_destroy(struct dmn_loop *loop); /* accepts NULL; clients are cut off */
+void dmn_loop_destroy(struct dmn_loop *loop); /* drops all clients; accepts NULL */
 
-/* Any thread: something has changed that clients may have to be told. */
+/* Tell the loop that there may be news for clients. Any thread may call this. */
 void dmn_loop_wake(void *loop);
-/* Bring what is known of the picture up to date. */
+/* Update what is known of the picture. */
 void dmn_loop_update(struct dmn_loop *loop);
 /* Serve until the painter is done or signal_fd is readable. */
 void dmn_loop_run(struct dmn_loop *loop);

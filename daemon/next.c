@@ -1,8 +1,8 @@
-/* What a client is sent next. It decides and does nothing: states in, places out.
+/* Which tiles a client is sent next.
  *
- * Levels form a tree: a tile at level n covers four at level n - 1. One walk over it, children first, finds
- * for every tile whether finer ones already hide it from the client, or could at once, and gathers the tiles
- * worth sending in a heap of the best few. */
+ * Levels form a tree: a tile at level n covers four at level n - 1. One walk over the tree, children first,
+ * finds for every tile whether finer ones hide it from the client, or could do so at once, and keeps the best
+ * of the tiles that are worth sending in a heap. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,11 +10,11 @@
 #include "next.h"
 #include "renderer.h"
 
-/* Levels of at most so many tiles go whole before anything is refined: a picture of 512 x 256 pixels. */
+/* Levels of at most so many tiles (512 x 256 pixels) are sent whole before finer ones. */
 enum { COARSE_TILES = 32 };
 
-/* Paths a pixel that a tile must have before it hides the coarser one. Of the finest levels more is asked:
- * with fewer, four times as many in a pixel of twice the size show more than the detail that drowns in noise.
+/* Paths per pixel that a tile must have before it may hide a coarser one. The finest levels need more: with
+ * fewer, noise hides their detail, and the coarser tile, with four times as many paths per pixel, shows more.
  */
 enum { FINE_LEVELS = 3, FINE_PATHS = 4, COARSE_PATHS = 1 };
 
@@ -23,15 +23,15 @@ static uint64_t enough(int level)
     return (uint64_t)(level < FINE_LEVELS ? FINE_PATHS : COARSE_PATHS) * RND_TILE * RND_TILE;
 }
 
-/* How much has to change before a tile is worth sending again: noise falls with the root of the paths, and
- * the eye does not see less than a fifth of it go; a tile that settled is as good as seen, so its last state
- * goes sooner. */
+/* By what factor its paths must have grown before a tile is sent again. Noise falls with their square root,
+ * and a fall of less than a fifth is not visible. A tile that has settled is sent for the last time, so
+ * sooner. */
 static const double GROWTH = 1.5, SETTLED_GROWTH = 1.1;
 
-/* A tile seen before waits as if it were so much further from the gaze, rad. */
+/* A tile that was sent before ranks as if it were so much further from the gaze, rad. */
 static const float AGAIN = 0.035f;
 
-/* Ranks: what has no picture, then coarse levels, then by distance, which is below four. */
+/* Ranks: places without a picture, then coarse levels, then distances, which are below 4. */
 static const float RANK_BLACK = -200, RANK_COARSE = -100;
 
 /* --- the best few --- */
@@ -44,7 +44,7 @@ struct search {
     struct dmn_place *heap; /* worst first */
 };
 
-/* A total order: the same states always give the same places. */
+/* A total order, so that the same tiles always give the same places. */
 static int by_rank(const void *a, const void *b)
 {
     const struct dmn_place *p = a, *q = b;
@@ -84,8 +84,8 @@ static void offer(struct search *search, struct dmn_place place)
 
 /* --- the walk --- */
 
-/* Angle from the gaze to the nearest part of a tile, roughly: tiles are squares near the equator and slivers
- * near the poles, so the circle around them is what counts. */
+/* Angle from the gaze to the nearest point of the circle around a tile, rad. Tiles are squares near the
+ * equator and slivers near the poles. */
 static float distance(const struct search *search, int level, size_t index)
 {
     const float *centre = search->pyramid->centre[index];
@@ -102,12 +102,13 @@ static bool has_grown(const struct dmn_tile *now, const struct dmn_tile *sent)
            (now->settled && !sent->settled && (double)now->samples >= SETTLED_GROWTH * (double)sent->samples);
 }
 
-/* What a subtree shows: the client has a picture of all of it, or could have a finer one at once. */
+/* Of a subtree: whether the client has a picture of all of it, and whether it could have a finer one at once.
+ */
 struct shown {
     bool all, soon;
 };
 
-/* above: a coarser tile shows this area, or is about to. */
+/* above: a coarser tile shows this area, or will be sent. */
 static struct shown walk(struct search *search, int level, int x, int y, bool above)
 {
     const struct dmn_pyramid *pyramid = search->pyramid;

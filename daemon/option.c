@@ -80,7 +80,7 @@ void dmn_option_help(const struct dmn_option *rows)
                       "print this help, or the version, and exit");
 }
 
-/* What the row's limits admit. */
+/* Write which arguments the row's limits allow. */
 static void put_wants(const struct dmn_option *row, char *out, size_t size)
 {
     const double low = row->number.low, high = row->number.high;
@@ -188,7 +188,7 @@ bool dmn_take_floats(const struct dmn_option *option, const char *text, void *va
 
 /* --- command lines --- */
 
-/* The rows as getopt_long() wants them; the caller frees them. NULL if memory is short. */
+/* The table of the rows for getopt_long(), which the caller frees. NULL if memory is short. */
 static struct option *make_table(const struct dmn_option *rows)
 {
     struct option *table = calloc(2 * DMN_OPTION_MOST + 3, sizeof(*table)), *next = table;
@@ -205,7 +205,7 @@ static struct option *make_table(const struct dmn_option *rows)
     return table;
 }
 
-/* getopt_long() found no option in word, or more than one that begins so. */
+/* Refuse a word that is no option, or short for more than one. */
 static bool refuse_unknown(const struct dmn_option_set *set, const struct option *table, const char *word)
 {
     const char *name = word + strspn(word, "-");
@@ -224,7 +224,7 @@ static bool refuse_unknown(const struct dmn_option_set *set, const struct option
                              (int)(name - word + (long)length), word, several);
 }
 
-/* What getopt_long() could not take: result is ':' where an argument is missing. */
+/* Refuse what getopt_long() could not take. result is ':' if an argument is missing. */
 static bool refuse_word(const struct dmn_option_set *set, const struct option *table, int result, char **argv)
 {
     const char letter[] = {'-', (char)optopt, '\0'};

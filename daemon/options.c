@@ -1,4 +1,4 @@
-/* fovead's command line: one row an option, and what was not given. */
+/* fovead's command line: one row per option, and the defaults that depend on other options. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -75,7 +75,7 @@ static const char *mode_at(size_t index, const char **out_summary)
     return mode ? mode->name : NULL;
 }
 
-/* A source by its name; --gaze takes its argument too. */
+/* A source by its index: --gaze takes a source and its argument. */
 static const char *gaze_at(size_t index, const char **out_summary)
 {
     const struct trk_source_kind *kind = trk_source_kind_at(index);
@@ -122,7 +122,7 @@ static bool take_clock(const struct dmn_option *option, const char *text, void *
 
 /* --- what options need --- */
 
-/* What its source can do; NULL: there is no gaze, or no such source, which trk_open() refuses. */
+/* The kind of the source; NULL: there is no gaze, or no such source, which trk_open() refuses. */
 static const struct trk_source_kind *kind_of(const struct dmn_options *options)
 {
     return options->gaze ? trk_source_kind_find(options->gaze) : NULL;
@@ -382,7 +382,7 @@ static void fill_in(struct dmn_options *out)
     if (!out->render.distribution) out->render.distribution = rnd_distribution_find(out->gaze ? "fv" : "od");
 }
 
-/* Whether the end that is waited for can come. */
+/* Can the end that --until waits for come? */
 static bool check_end(const struct dmn_options *out)
 {
     const struct trk_source_kind *kind = kind_of(out);

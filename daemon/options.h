@@ -13,16 +13,16 @@ struct dmn_options {
     struct rnd_scene_options scene;
     bool watch; /* take up edits of the scene's files */
     struct rnd_render_options render;
-    const char *gaze; /* NULL: no source; samples are not steered */
+    const char *gaze; /* NULL: no source, so gaze does not steer samples */
     double speed;
     bool loop;
     bool raw_gaze, predict;
     struct trk_screen screen;
     const char *calibration; /* NULL: none */
     const char *record;      /* NULL: not recorded */
-    bool replace;            /* what record names may exist */
+    bool replace;            /* an existing file may be replaced */
     float fov[2];            /* rad, of the vp viewport */
-    float display_ppd;       /* pixels per degree; 0: as fine as the eye */
+    float display_ppd;       /* pixels per degree; 0: no limit */
     bool virtual_clock;
     struct pro_address listen[DMN_MAX_LISTEN];
     int listens;

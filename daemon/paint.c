@@ -12,7 +12,7 @@ enum {
     LEAST_PATHS = 256,
     MOST_PATHS = 1 << 20,
     VIRTUAL_PATHS = 4096,
-    JUDGE_EVERY = 32, /* batches between two looks at whether all tiles have converged */
+    JUDGE_EVERY = 32, /* batches between two checks whether all tiles have converged */
 };
 /* On an idle machine a batch takes SLOWER_ALONE times the processor time of each of its threads. On a busy
  * one it may take up to MOST_LONGER times batch_seconds. */
@@ -36,18 +36,19 @@ struct dmn_painter {
     uint64_t began_ns;
     uint64_t gaze_ns, aimed_ns; /* of the aim: when its gaze arrived, when the first batch with it began */
     uint32_t converged;
-    bool reading; /* textures of the scene are, and the picture does without them */
+    bool reading; /* textures are being read, and the picture lacks them */
 
     pthread_mutex_t lock; /* of all that follows */
     struct dmn_work work; /* written by the painter's thread alone, which reads it without the lock */
-    bool due, moved;      /* a new generation is; the camera is where a client wants it */
-    double camera[3];     /* its position in the generation that is due, or else in the present one */
-    struct rnd_scene *next, *former; /* waits to be taken, or NULL; was given up for the one that was */
-    pthread_cond_t changed;          /* next has been taken, or will not be any more */
+    bool due, moved;      /* a new generation is due; a client has moved the camera */
+    double camera[3];     /* its position in the generation that is due, else in the present one */
+    struct rnd_scene *next, *former; /* the scene that waits to be used, or NULL; the one that was in use
+                                        before */
+    pthread_cond_t changed;          /* next is in use, or never will be */
 };
 
-/* When the first batch of this aim began: now_ns, if this is it. How long gaze took to get here is measured
- * there; later ones would tell how long the eye has rested. */
+/* When the first batch with this aim began; now_ns if this is the first. The latency of gaze is measured
+ * there: at later batches it would include how long the eye has rested. */
 static uint64_t first_aimed_ns(struct dmn_painter *painter, const struct rnd_aim *aim, uint64_t now_ns)
 {
     if (aim->time_ns == painter->gaze_ns && painter->aimed_ns) return painter->aimed_ns;
@@ -88,7 +89,7 @@ static void judge(struct dmn_painter *painter)
     for (uint32_t i = 0; i < painter->options.tiles; i++) painter->converged += painter->tiles[i].converged;
 }
 
-/* Book a batch; true when the render is done. */
+/* Count a batch. True when the render is done. */
 static bool book(struct dmn_painter *painter, const struct rnd_batch *batch, uint64_t now_ns)
 {
     const struct dmn_painter_options *options = &painter->options;
@@ -115,8 +116,8 @@ static bool book(struct dmn_painter *painter, const struct rnd_batch *batch, uin
     return work.share >= 1;
 }
 
-/* Processor time that each thread should have for the next batch. slower is how many times longer the last
- * batch took than each of its threads computed. On an idle machine a batch takes batch_seconds. On a busy one
+/* Processor time that each thread should spend on the next batch. slower is the time that the last batch took
+ * over the processor time of each thread. On an idle machine a batch takes batch_seconds. On a busy machine
  * it is longer, since it ends by waiting for its last thread; but not too long, since a moved gaze waits for
  * its end. Below LEAST_OF_BATCH of batch_seconds it would be mostly overhead. */
 static double aimed_seconds(const struct dmn_painter_options *options, double slower)
@@ -126,9 +127,9 @@ static double aimed_seconds(const struct dmn_painter_options *options, double sl
     return options->batch_seconds * fmax(fmin(fmax(longer, 1), MOST_LONGER) / slower, LEAST_OF_BATCH);
 }
 
-/* Paths of the next batch: as many as take about the time aimed at, and no more than are still wanted. The
- * time is what a thread has of the processor: by what passes, a batch beside other work would be ever
- * shorter, until most of it was waiting for the last thread to be let run. */
+/* Paths of the next batch: as many as take about the wanted processor time, and no more than --until still
+ * needs. Wall time would not do: beside other work batches would become ever shorter, until they mostly
+ * waited for their last thread to run. */
 static uint32_t next_paths(const struct dmn_painter *painter, uint32_t paths, const struct rnd_batch *last)
 {
     const struct dmn_painter_options *options = &painter->options;
@@ -137,11 +138,11 @@ static uint32_t next_paths(const struct dmn_painter *painter, uint32_t paths, co
         paths = VIRTUAL_PATHS;
     else if (last->processor_seconds > 0 && last->paths > 0) {
         double seconds = last->processor_seconds / options->threads;
-        /* One that was cut short tells by what it did. */
+        /* A batch that was cut short counts with the paths that it traced. */
         double change =
             aimed_seconds(options, last->seconds / seconds) / seconds * (double)last->paths / paths;
 
-        /* Half of the way, at most doubled: one slow batch, for whatever reason, must not set the pace. */
+        /* Go half of the way, and at most double: one slow batch must not set the pace. */
         change = change > 2 ? 2 : change < 0.5 ? 0.5 : change;
         paths = (uint32_t)(paths * (1 + (change - 1) / 2));
         paths = paths < LEAST_PATHS ? LEAST_PATHS : paths > MOST_PATHS ? MOST_PATHS : paths;
@@ -215,9 +216,9 @@ static void *paint(void *argument)
             rnd_render_batch(options->render, &aim, aimed_ns, paths, &batch);
             virtual_ns += VIRTUAL_STEP_NS;
         }
-        /* A picture without its textures is never the one that was asked for. */
+        /* A picture that lacks textures never fulfils --until. */
         done = book(painter, &batch, options->virtual_clock ? virtual_ns : dmn_now_ns()) && !painter->reading;
-        if (first) batch.processor_seconds = 0; /* says nothing about the batches to come */
+        if (first) batch.processor_seconds = 0; /* it tells nothing about later batches */
     }
     pthread_mutex_lock(&painter->lock);
     painter->work.done = true;

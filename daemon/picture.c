@@ -5,7 +5,7 @@
 
 #include "picture.h"
 
-/* When the gaze moves, tiles without new paths are judged for it in so many parts, one in each update. */
+/* When the gaze has moved, tiles without new paths are judged in so many parts, one in each update. */
 enum { GAZE_PARTS = 16 };
 
 bool dmn_picture_init(struct dmn_picture *picture, struct rnd_render *render, int width, int height)
@@ -27,8 +27,7 @@ void dmn_picture_finish(struct dmn_picture *picture)
     free(picture->changed);
 }
 
-/* When a new generation begins, count tiles that still show the former one as empty. True if one has begun.
- */
+/* If a new generation has begun, count tiles of the former one as empty, and return true. */
 static bool drop_former(struct dmn_picture *picture, uint32_t changes)
 {
     uint64_t newest = picture->generation;
@@ -45,7 +44,7 @@ static bool drop_former(struct dmn_picture *picture, uint32_t changes)
     return true;
 }
 
-/* Take up what has become of a tile. */
+/* Update a tile. */
 static void take_tile(struct dmn_picture *picture, size_t i)
 {
     const struct rnd_tile *known = &picture->known[i];

@@ -6,7 +6,7 @@
 #include "pyramid.h"
 #include "renderer.h"
 
-/* A tile at the edge of a level may be filled in part only. */
+/* A tile at the edge of a level may be filled only in part. */
 static int tiles_of(int pixels, int level)
 {
     int side = RND_TILE << level;
@@ -77,7 +77,7 @@ static struct dmn_tile sum_of(const struct dmn_pyramid *pyramid, int level, int 
     return sum;
 }
 
-/* The tile that covers (x, y) one level coarser has to be summed up anew. */
+/* Mark the tile that covers (x, y) one level coarser: its sums must be made anew. */
 static void mark_parent(struct dmn_pyramid *pyramid, int level, int x, int y)
 {
     if (level + 1 < pyramid->levels)

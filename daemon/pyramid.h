@@ -29,7 +29,7 @@ struct dmn_pyramid {
     size_t count;          /* tiles of all levels */
     struct dmn_tile *tile; /* count of them */
     float (*centre)[3];    /* directions of their middles */
-    bool *stale;           /* those whose sums dmn_pyramid_update() has to make anew */
+    bool *stale;           /* tiles whose sums dmn_pyramid_update() must make anew */
 };
 
 /* levels as rnd_render_levels() gives it. False if memory is short. */
@@ -47,7 +47,7 @@ static inline size_t dmn_pyramid_index(const struct dmn_pyramid *pyramid, int le
     return pyramid->level[level].first + (size_t)y * pyramid->level[level].columns + x;
 }
 
-/* One of the four tiles that (x, y) covers one level finer; false where the film ends before it. */
+/* One of the four tiles that (x, y) covers one level finer; false if it is outside the film. */
 static inline bool dmn_pyramid_child(const struct dmn_pyramid *pyramid, int level, int *x, int *y, int child)
 {
     *x = 2 * *x + (child & 1);

@@ -1,4 +1,4 @@
-/* recording: the file that gaze samples are recorded to. It begins and ends when somebody asks for that. */
+/* recording: the file that gaze samples are recorded to, at a client's or the user's request. */
 #ifndef FOVEAD_DAEMON_RECORDING_H
 #define FOVEAD_DAEMON_RECORDING_H
 
@@ -6,7 +6,7 @@
 
 #include "tracker.h"
 
-enum { DMN_TEXT_SIZE = 1024 }; /* of one line on what was done, or why not */
+enum { DMN_TEXT_SIZE = 1024 }; /* of a line that says what was done, or why not */
 
 /* Any thread may call any function; one thread at a time begins and ends recordings, and waits for the disk.
  */
@@ -17,7 +17,7 @@ struct dmn_recording {
 };
 
 void dmn_recording_init(struct dmn_recording *recording);
-/* Ends a recording that goes on. */
+/* Ends the recording, if there is one. */
 void dmn_recording_finish(struct dmn_recording *recording);
 
 /* Record to a file from now on. replace: a file of that name may be replaced. out_text says what was done, or
@@ -30,7 +30,7 @@ bool dmn_recording_end(struct dmn_recording *recording, char out_text[DMN_TEXT_S
 /* Record a sample, if anything is being recorded. Does not wait for the disk. */
 void dmn_recording_append(struct dmn_recording *recording, const struct trk_sample *sample);
 
-/* The file, "" if nothing is being recorded, and how the recorder is. */
+/* The path of the file, "" if nothing is being recorded, and the recorder's status. */
 void dmn_recording_tell(struct dmn_recording *recording, char out_path[DMN_TEXT_SIZE],
                         struct trk_recorder_status *out_status);
 

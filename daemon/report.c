@@ -1,4 +1,4 @@
-/* What fovead says to people and to scripts. */
+/* What fovead tells people and scripts. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -68,7 +68,7 @@ void dmn_report_progress(struct dmn_bar *bar, const struct dmn_options *options,
     if (!terminal && now_ns - bar->printed_ns < LINE_EVERY_NS) return;
     bar->printed_ns = now_ns;
     print_time(work->seconds, spent, sizeof(spent));
-    /* Convergence comes in its own time, and a log does not say how long it is. */
+    /* When a picture converges, or how long a log is, is not known. */
     if (options->until.kind == DMN_UNTIL_PATHS || options->until.kind == DMN_UNTIL_SECONDS)
         print_time(work->seconds / work->share - work->seconds, left, sizeof(left));
     else

@@ -1,4 +1,4 @@
-/* report: what fovead says to people and to scripts: what it loaded, how far it is, what it did. */
+/* report: what fovead tells people and scripts: what it loaded, how far it is, what it did. */
 #ifndef FOVEAD_DAEMON_REPORT_H
 #define FOVEAD_DAEMON_REPORT_H
 
@@ -14,19 +14,19 @@ void dmn_report_scene(const struct rnd_scene_info *info, const char *path, char 
 /* Lines of warnings on stderr. */
 void dmn_report_warnings(const char *lines);
 
-/* Warnings of the scene, and a line on stderr on what the file asks for and the renderer does not do, if
- * there is such a thing. */
+/* Print the scene's warnings on stderr, and a line on features that the file uses and the renderer lacks, if
+ * there are any. */
 void dmn_report_left_out(const struct rnd_scene_info *info, const char *path);
 
-/* What has been said of a recording. All zero is the start. */
+/* What has been said of a recording. All zero: nothing. */
 struct dmn_told {
     bool fails, lost;
 };
 /* Say on stderr when a recording begins to fail, first loses samples, or goes on. */
 void dmn_report_recording(struct dmn_told *told, const struct dmn_gaze_state *gaze);
 
-/* Progress towards --until on stderr: a bar redrawn in place on a terminal, else a line every few seconds.
- * All zero is the start. */
+/* Progress towards --until on stderr: on a terminal a bar, redrawn in place; else a line every few seconds.
+ * All zero: nothing was printed. */
 struct dmn_bar {
     uint64_t printed_ns;
     bool drawn;

@@ -56,7 +56,7 @@ static bool take_ping(struct dmn_client *client, Fovea__Message *message, char o
     return dmn_client_answer(client, &pong, out_error);
 }
 
-/* False with why not in job->text. */
+/* Take the path of a request. False, and why in job->text, if it cannot be written. */
 static bool take_path(struct dmn_job *job, const char *path, const char *ending)
 {
     size_t length = strlen(path), end = strlen(ending);
@@ -140,12 +140,12 @@ static bool take_move(struct dmn_client *client, Fovea__Message *message, char o
 struct request {
     Fovea__Message__BodyCase body;
     enum {
-        STRANGER, /* a client that has not said Hello, and only such a one */
-        GUEST,    /* a client that has */
-        OWNER,    /* of these, one for which files are written: others are told so by a Done */
+        STRANGER, /* only a client that has not said Hello */
+        GUEST,    /* a client that has said Hello */
+        OWNER,    /* a client for which files are written; others get a Done that says so */
     } from;
     bool (*take)(struct dmn_client *client, Fovea__Message *message, char out_error[PRO_ERROR_SIZE]);
-    size_t number; /* of OWNER: where the request's number is in the body */
+    size_t number; /* of OWNER: offset of the request's number in the body */
 };
 
 static const struct request REQUESTS[] = {
@@ -179,7 +179,9 @@ bool dmn_request_take(struct dmn_client *client, Fovea__Message *message, char o
     if (client->greeted && request->from == STRANGER)
         return dmn_client_fail(out_error, "it said hello twice");
     if (request->from == OWNER && !client->options.may_save) {
-        memcpy(&number, (const char *)message->hello + request->number, sizeof(number)); /* of any body */
+        memcpy(&number, (const char *)message->hello + request->number,
+               sizeof(number)); /* the bodies are a union of
+                                                                                            pointers */
         return dmn_client_done(client, number, false, "files are written only for clients on a Unix socket",
                                out_error);
     }

@@ -1,4 +1,4 @@
-/* The film as a file that is there whole or not at all. */
+/* The film as a file that appears whole or not at all. */
 #include "save.h"
 
 #include "file.h"

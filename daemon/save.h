@@ -4,7 +4,7 @@
 
 #include "renderer.h"
 
-/* As rnd_render_save(), to a path, as a file that is there whole or not at all; one that is there is replaced.
+/* As rnd_render_save(), to a path, as a file that appears whole or not at all. An existing file is replaced.
  */
 bool dmn_save_film(struct rnd_render *render, const char *path, char out_error[RND_ERROR_SIZE]);
 

@@ -1,4 +1,4 @@
-/* The messages that a client is sent, chosen and built at the moment it can take them. */
+/* The messages that a client is sent, chosen and built when it can take them. */
 #include <stdlib.h>
 
 #include "paint.h"
@@ -129,7 +129,7 @@ static uint8_t *stats(struct dmn_client *client, size_t *out_count)
     stats.samples_per_second = work.paths_per_second;
     stats.rays = work.rays;
     stats.tiles = picture->tiles;
-    if (picture->generation == work.generation) { /* else nothing is known of its tiles yet */
+    if (picture->generation == work.generation) { /* else nothing is known of the tiles yet */
         stats.tiles_visited = picture->visited;
         stats.tiles_converged = picture->converged;
         stats.tiles_settled = picture->settled;
@@ -175,9 +175,10 @@ static uint8_t *bye(struct dmn_client *client, size_t *out_count)
 
 struct event {
     bool (*is_due)(struct dmn_client *client);
-    /* The message, packed; NULL if there is none after all, or no memory. It is then not due any more. */
+    /* Build and pack the message, which is then no longer due. NULL if there is none after all, or memory is
+     * short. */
     uint8_t *(*build)(struct dmn_client *client, size_t *out_count);
-    bool at_end; /* it goes when the session ends, and only then */
+    bool at_end; /* sent only when the session ends */
 };
 
 static const struct event EVENTS[] = {

@@ -1,12 +1,12 @@
-/* send: the messages that a client is sent, one row each, in the order in which they go: who wants it, when
- * it is due, and how it is built. */
+/* send: the messages that a client is sent, one row each, in the order in which they are sent: who wants it,
+ * when it is due, and how it is built. */
 #ifndef FOVEAD_DAEMON_SEND_H
 #define FOVEAD_DAEMON_SEND_H
 
 #include "client.h"
 
-/* Nothing waits packed: a tile is read and encoded at the moment the client can take it, so the newest always
- * wins and a slow client is just sent less. */
+/* No message waits packed: a tile is read and encoded when the client can take it, so the newest always wins,
+ * and a slow client gets fewer. */
 
 /* Is there something to send? */
 bool dmn_send_is_due(struct dmn_client *client);

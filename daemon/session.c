@@ -7,9 +7,9 @@
 #include "requests.h"
 #include "session.h"
 
-/* A client has 5 s to say Hello, and to finish a message that it began. Counted in calls of
- * dmn_session_check(), not by the clock: if the daemon runs late, what the client sent in time is taken
- * before the next call. */
+/* A client has 5 s to say Hello, and to finish a message that it began. They are counted in calls of
+ * dmn_session_check(): if the daemon runs late, it takes what the client sent in time before the next call.
+ */
 enum { PATIENCE = 5 * DMN_CHECKS_A_SECOND };
 
 struct dmn_client *dmn_session_create(const struct dmn_client_options *options)
@@ -72,7 +72,7 @@ bool dmn_session_check(struct dmn_client *client, bool partial, char out_error[P
 void dmn_session_end(struct dmn_client *client)
 {
     client->ending = true;
-    /* A client that was not welcomed yet is not told: its connection just ends. */
+    /* A client that was not welcomed gets no Bye: its connection just ends. */
     client->bye_due = client->greeted && !client->welcome_due;
 }
 
@@ -85,6 +85,6 @@ void dmn_session_done(struct dmn_client *client, const struct dmn_job *job)
 {
     char error[PRO_ERROR_SIZE];
 
-    client->jobs--; /* which makes the room that its answer needs */
+    client->jobs--; /* this makes room for its answer */
     (void)dmn_client_done(client, job->request, job->good, job->text, error);
 }

@@ -1,9 +1,5 @@
-/* session: one client, from Hello to the end. It takes the messages that came and gives those that should go;
- * what wraps and carries them is its owner's matter. No message waits in it packed: a tile is read and
- * encoded at the moment the client can take it, so the newest always wins and a slow client is just sent
- * less.
- *
- * All sessions belong to the loop's thread. */
+/* session: one client, from Hello to the end. It takes the client's messages and gives those that are to be
+ * sent (send.h); its owner wraps and carries them. For the loop's thread alone. */
 #ifndef FOVEAD_DAEMON_SESSION_H
 #define FOVEAD_DAEMON_SESSION_H
 
@@ -12,18 +8,18 @@
 struct dmn_client *dmn_session_create(const struct dmn_client_options *options);
 void dmn_session_destroy(struct dmn_client *client); /* accepts NULL */
 
-/* May the client's next message be taken? Not while its Hello waits for the turn of its token. */
+/* May the client's next message be taken? Not while the token of its Hello waits to be checked. */
 bool dmn_session_is_ready(const struct dmn_client *client);
-/* Take a message from the client over, which must be ready. False with a line in out_error if the client must
- * be dropped. */
+/* Take a message of the client, which must be ready, and own it. False with a line in out_error if the client
+ * must be dropped. */
 bool dmn_session_take(struct dmn_client *client, Fovea__Message *message, char out_error[PRO_ERROR_SIZE]);
-/* Call it DMN_CHECKS_A_SECOND times per second, each time after the client's messages were taken; partial
- * says that one has begun and not ended. The client may be ready after it. False with a line in out_error if
- * it must be dropped: its token is wrong, or it is overdue with its Hello or the rest of a message. */
+/* Call this DMN_CHECKS_A_SECOND times per second, after the client's messages were taken. partial: a message
+ * has begun and not ended. The client may then be ready. False with a line in out_error if it must be
+ * dropped: its token is wrong, or its Hello or the rest of a message is overdue. */
 enum { DMN_CHECKS_A_SECOND = 4 };
 bool dmn_session_check(struct dmn_client *client, bool partial, char out_error[PRO_ERROR_SIZE]);
 
-/* Send nothing more but Bye. */
+/* Send only Bye from now on. */
 void dmn_session_end(struct dmn_client *client);
 
 /* Statistics are due. */

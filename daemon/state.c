@@ -34,8 +34,7 @@ bool dmn_state_load(float out_rotation[4])
     return false;
 }
 
-/* The folders above path, as far as they are missing; the system's complaint about one is that about the
- * file. */
+/* Make the missing folders above path. If that fails, opening the file fails too, and says why. */
 static void make_folders(char *path)
 {
     for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {

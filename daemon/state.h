@@ -5,12 +5,12 @@
 
 #include "daemon.h"
 
-/* The file of the rotation of recentring; false if the environment names no place for it. */
+/* Path of the file with the rotation of recentring; false if the environment names no folder for it. */
 bool dmn_state_path(char *out_path, size_t size);
-/* The rotation (x, y, z, w); false if there is none, with a line on stderr if that is because it is broken.
+/* Read the rotation (x, y, z, w). False if there is none, or, with a line on stderr, if its file is broken.
  */
 bool dmn_state_load(float out_rotation[4]);
-/* Folders are made. False with a line in out_error. */
+/* Write the rotation; missing folders are made. False with a line in out_error. */
 bool dmn_state_save(const float rotation[4], char out_error[TRK_ERROR_SIZE]);
 
 #endif

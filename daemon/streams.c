@@ -1,4 +1,4 @@
-/* Standard input and output, from first to last. */
+/* The standard streams of a program, at its start and end. */
 #include "streams.h"
 #include "file.h"
 
@@ -16,7 +16,7 @@ static const char *name;
 static void close_output(void)
 {
     if (dmn_file_is_written(stdout) && !fclose(stdout)) return;
-    /* Who closed a pipe knows. */
+    /* Whoever closed the pipe knows that. */
     if (errno != EPIPE) fprintf(stderr, "%s: the output cannot be written: %s\n", name, strerror(errno));
     _exit(1);
 }

@@ -1,11 +1,11 @@
-/* streams: what every program of the project does first, and what it does last. */
+/* streams: what every program of the project does first and last, for its standard streams. */
 #ifndef FOVEAD_DAEMON_STREAMS_H
 #define FOVEAD_DAEMON_STREAMS_H
 
-/* First thing in main(). Descriptors 0 to 2 that are closed are opened on /dev/null, or the next file to be
- * opened would get what is printed. A pipe that nobody reads and a file that may grow no more are errors of
- * the write, not the end of the program. At exit, output that could not be written is an error: a line on
- * stderr that begins with the program's name, and status 1. */
+/* Call this first in main(). Closed descriptors 0 to 2 are opened on /dev/null, since the next file that is
+ * opened would otherwise get what is printed. Writing to a pipe that nobody reads, or beyond the limit of a
+ * file's size, fails and does not end the program. At exit, output that could not be written is an error: a
+ * line on stderr that begins with the program's name, and status 1. */
 void dmn_streams_open(const char *program);
 
 #endif

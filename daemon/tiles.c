@@ -60,7 +60,7 @@ uint8_t *dmn_tile_pack(struct dmn_client *client, size_t *out_count)
     uint8_t *message;
 
     if (!rnd_render_read(client->handles->render, place->level, place->x, place->y, rgb, &read)) return NULL;
-    /* The plan, and what is known of the tile, are of the picture before this one. */
+    /* The plan, and what is known of the tile, are of the former generation. */
     if (read.generation != client->generation) return NULL;
     tile.data.data = pro_encode(client->encoding, rgb, RND_TILE, &tile.data.len);
     if (!tile.data.data) return NULL;

@@ -15,7 +15,7 @@ enum dmn_until_kind {
 
 struct dmn_until {
     enum dmn_until_kind kind;
-    double amount; /* paths a film pixel, or seconds of rendering */
+    double amount; /* paths per film pixel, or seconds of rendering */
 };
 
 struct dmn_progress {
@@ -27,7 +27,7 @@ struct dmn_progress {
 
 /* "256spp", "30s", "converged" or "end". */
 bool dmn_until_parse(const char *text, struct dmn_until *out_until);
-/* 0 to 1; exactly 1 when the render is done. */
+/* How much of the render is done, 0 to 1; exactly 1 when it is done. */
 double dmn_until_share(const struct dmn_until *until, const struct dmn_progress *progress);
 
 #endif

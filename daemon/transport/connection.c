@@ -1,4 +1,4 @@
-/* A client's connection, by whatever transport, and its session. */
+/* A client's connection, over any transport, and its session. */
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -6,7 +6,7 @@
 #include "send.h"
 #include "transport/connection.h"
 
-enum { BURST = 8 }; /* messages to one client before others have their turn */
+enum { BURST = 8 }; /* messages to one client before it is the turn of others */
 
 static void destroy(struct dmn_connection *connection)
 {
@@ -87,7 +87,7 @@ bool dmn_connection_write(struct dmn_connection *connection)
         good = connection->transport->write(connection, message, count);
         free(message);
         if (!good) return false;
-        /* What did not fit waits in libwebsockets: one message at most. */
+        /* The rest of a message, at most one, waits in libwebsockets. */
         if (lws_send_pipe_choked(connection->wsi)) break;
     }
     lws_callback_on_writable(connection->wsi);
@@ -98,7 +98,7 @@ void dmn_connection_close(struct dmn_connection *connection)
 {
     struct dmn_connection **place = connection->list;
 
-    if (!place) return; /* it failed half-way: dmn_connection_open() frees it */
+    if (!place) return; /* it was never opened: dmn_connection_open() frees it */
     while (*place != connection) place = &(*place)->next;
     *place = connection->next;
     destroy(connection);

@@ -1,4 +1,4 @@
-/* connection: a client's connection, by whatever transport, and its session. The loop's thread alone. */
+/* connection: a client's connection, over any transport, and its session. For the loop's thread alone. */
 #ifndef FOVEAD_DAEMON_TRANSPORT_CONNECTION_H
 #define FOVEAD_DAEMON_TRANSPORT_CONNECTION_H
 
@@ -6,15 +6,15 @@
 #include "transport/transport.h"
 
 struct dmn_connection {
-    struct dmn_connection **list, *next; /* of all that are open */
+    struct dmn_connection **list, *next; /* the list of open connections */
     const struct dmn_transport *transport;
     struct lws *wsi;
     struct dmn_client *client;
-    void *unwrapping; /* of the transport */
+    void *unwrapping; /* for the transport */
 };
 
-/* Serve a client whose socket was accepted, by a session with these options but for those that the transport
- * decides, and put it into the list. The socket is closed on failure. */
+/* Serve a client whose socket was accepted, and put the connection into the list. The transport sets may_save
+ * and headroom of the options. The socket is closed on failure. */
 void dmn_connection_open(struct dmn_connection **list, struct lws_vhost *vhost,
                          const struct dmn_transport *transport, int fd, const struct dmn_peer *peer,
                          const struct dmn_client_options *options);
@@ -27,11 +27,12 @@ void dmn_connection_close(struct dmn_connection *connection); /* frees it */
 
 /* --- what the loop does --- */
 
-/* Ask for room to write, if there is something to send. */
+/* Ask libwebsockets to say when there is room to write, if there is something to send. */
 void dmn_connection_wake(struct dmn_connection *connection);
-/* DMN_CHECKS_A_SECOND times per second: statistics are due, and a client that is overdue is dropped. */
+/* Call this DMN_CHECKS_A_SECOND times per second: it makes statistics due, and drops a client that is
+ * overdue. */
 void dmn_connection_check(struct dmn_connection *connection);
-/* Is there something that has not gone yet? */
+/* Is there something that is not sent yet? */
 bool dmn_connection_has_more(struct dmn_connection *connection);
 
 #endif

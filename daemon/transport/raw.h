@@ -1,4 +1,4 @@
-/* raw: frames on a Unix or TCP socket, as foveactl and other viewers speak (fovea.proto). */
+/* raw: frames on a Unix or TCP socket (fovea.proto), for foveactl and other viewers. */
 #ifndef FOVEAD_DAEMON_TRANSPORT_RAW_H
 #define FOVEAD_DAEMON_TRANSPORT_RAW_H
 

@@ -1,4 +1,4 @@
-/* The transports that there are. */
+/* The transports. */
 #include "transport/table.h"
 #include "transport/raw.h"
 

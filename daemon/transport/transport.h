@@ -1,5 +1,5 @@
-/* transport: how messages get to a client and back, one kind a row: how they are wrapped, what carries them,
- * and what a client that comes this way may do. Sessions and the loop know no kind of transport.
+/* transport: how messages get to a client and back. A row of the table says how they are wrapped and carried,
+ * and what a client on this transport may do. Sessions and the loop know no transport by name.
  *
  * Adding one is a file like raw.c and its line in table.c. */
 #ifndef FOVEAD_DAEMON_TRANSPORT_TRANSPORT_H
@@ -16,22 +16,23 @@ struct dmn_transport {
      * it calls dmn_connection_read(), on room to write dmn_connection_write(), and at the end
      * dmn_connection_close(). The connection is the opaque user data. */
     struct lws_protocols protocol;
-    lws_adoption_type adoption; /* how libwebsockets takes over a socket that was accepted */
+    lws_adoption_type adoption; /* how libwebsockets adopts an accepted socket */
     size_t headroom;            /* bytes that write() needs free before a message */
 
-    /* May a client from there come in at all? False with why not. */
+    /* May this peer connect? False with why not. */
     bool (*origin_is_good)(const struct dmn_peer *peer, char *out_why, size_t size);
-    /* Are files written for it? */
+    /* Does the daemon write files for this peer? */
     bool (*may_save)(const struct dmn_peer *peer);
     /* Tell a client whose socket was just accepted why it is turned away, if the socket takes that at once.
      */
     void (*refuse)(int fd, const char *why);
 
-    /* connection->unwrapping is what of a message has come so far. False if memory is short. */
+    /* Prepare connection->unwrapping, which holds the part of a message that has come. False if memory is
+     * short. */
     bool (*begin)(struct dmn_connection *connection);
-    void (*end)(struct dmn_connection *connection); /* accepts what begin() has failed for */
-    /* Take count bytes that came, and give the session what messages are whole, as long as it is ready for
-     * them; 0 bytes: only that. False with a line in out_error if the client must be dropped. */
+    void (*end)(struct dmn_connection *connection); /* also after begin() has failed */
+    /* Take count bytes that came, which may be 0, and give the session whole messages while it is ready for
+     * them. False with a line in out_error if the client must be dropped. */
     bool (*read)(struct dmn_connection *connection, const void *bytes, size_t count,
                  char out_error[PRO_ERROR_SIZE]);
     /* Has a message begun and not ended? */
