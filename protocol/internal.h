@@ -1,4 +1,4 @@
-/* protocol/internal.h: what the files of this folder share and nobody else sees. */
+/* protocol/internal.h: what the files of this folder share, for no other folder. */
 #ifndef FOVEAD_PROTOCOL_INTERNAL_H
 #define FOVEAD_PROTOCOL_INTERNAL_H
 
@@ -8,8 +8,8 @@
 
 /* --- text --- */
 
-/* Write one line into out_error and return false. Control characters become '?': text may come from a peer,
- * and an error is one line. */
+/* Write one line into out_error, and return false. Control characters, which a peer's text may have, become
+ * '?'. */
 bool pro_fail(char out_error[PRO_ERROR_SIZE], const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* Replace the control characters (C0, DEL, C1) of a peer's text, which could otherwise drive a terminal.
@@ -23,8 +23,8 @@ void pro_clean(char *text);
 uint64_t pro_now_ns(void);                /* CLOCK_MONOTONIC */
 uint64_t pro_deadline_ns(int timeout_ms); /* negative: PRO_NEVER */
 
-/* Wait for poll events on fd until the deadline; a deadline that has passed looks once. Returns the events
- * that came, 0 at the deadline. */
+/* Wait for poll events on fd until the deadline; if it has passed, check once. Returns the events, or 0 at
+ * the deadline. */
 short pro_wait(int fd, short events, uint64_t deadline_ns);
 
 /* A connected non-blocking socket, or -1 and a line in out_error. The caller closes it. */
@@ -33,13 +33,14 @@ int pro_dial(const struct pro_address *address, uint64_t deadline_ns, bool wait_
 
 /* --- frames --- */
 
-/* Is a whole frame held, so that pro_reader_take() will not say PRO_MORE? */
+/* Does the reader hold a whole frame, so that pro_reader_take() will not return PRO_MORE? */
 bool pro_reader_ready(const struct pro_reader *reader);
 
 /* --- clock --- */
 
-/* The daemon's clock against ours, from Ping and Pong. The smallest round trip says most, but two machines'
- * clocks drift apart by tens of parts per million: an estimate loses weight with its age. */
+/* The daemon's clock relative to ours, from Pings and Pongs. The smallest round trip is the most exact, but
+ * the clocks of two machines drift apart by tens of parts per million, so an estimate counts less as it ages.
+ */
 struct pro_estimate {
     bool known;
     uint64_t round_trip_ns;

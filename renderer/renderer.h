@@ -6,14 +6,14 @@
  *
  * Conventions
  * - Frames follow OpenXR and glTF: right-handed, +X right, +Y up, -Z forward; metres, radians; quaternions
- * (x, y, z, w).
+ *   (x, y, z, w).
  * - Equirectangular: u = 1/2 + atan2(x, -z) / 2 pi, v = 1/2 - asin(y) / pi, u wraps, row 0 is up.
  * - Radiance is linear, scene-referred, Rec.709 primaries, float.
  * - Every random number is addressed by (seed, pixel, sample, dimension): the same batches give the same film
- * bit for bit, whatever the number of threads.
+ *   bit for bit, whatever the number of threads.
  * - What is rendered changes only by rnd_render_restart(), which empties the film: a new generation of it.
  * - Errors are one line of text in a caller's buffer of RND_ERROR_SIZE bytes that names the file and the
- * cause.
+ *   cause.
  */
 #ifndef FOVEAD_RENDERER_H
 #define FOVEAD_RENDERER_H
