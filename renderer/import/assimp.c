@@ -1,4 +1,4 @@
-/* Scene files by assimp: OBJ and what else it reads, but for glTF. */
+/* Scene files that assimp reads: OBJ and other formats, but not glTF. */
 #include "import/assimp.h"
 #include "import/assimp_file.h"
 #include "import/mtl_file.h"
@@ -51,7 +51,7 @@ static bool read_attributes(const struct aiMesh *from, struct rnd_mesh *to)
     const struct aiColor4D *colour = from->mColors[0];
     if (!colour) return true;
     if (!(to->colour = malloc(4 * n * sizeof *to->colour))) return false;
-    bool opaque = true; /* of colours without alpha, assimp leaves it 0 */
+    bool opaque = true; /* assimp leaves alpha 0 if the file has none */
     for (size_t i = 0; i < n && opaque; i++) opaque = colour[i].a == 0.0f;
     for (size_t i = 0; i < n; i++) {
         const float rgba[4] = {colour[i].r, colour[i].g, colour[i].b, opaque ? 1.0f : colour[i].a};
@@ -154,7 +154,7 @@ static bool walk_node(struct rnd_import *in, const struct aiScene *file, const s
     return true;
 }
 
-/* Metres of the file's unit: FBX says how many centimetres it has, and assimp does not use that. */
+/* The file's unit in metres: an FBX file says how many centimetres it is, which assimp ignores. */
 static double unit_of(const struct aiScene *file)
 {
     const struct aiMetadata *data = file->mMetaData;
@@ -180,11 +180,10 @@ static bool walk(struct rnd_import *in, void *file)
 
 /* --- the file --- */
 
-/* Beyond so many corners a face is cut into triangles in more time than anybody waits: it goes with their
- * square. */
+/* Most corners of a face: the time for cutting it into triangles grows with their square. */
 enum { MOST_CORNERS = 10000 };
 
-/* See that faces are what the next steps of assimp take for granted. False and a line. */
+/* Check what the next steps of assimp assume of faces. False and a line. */
 static bool check_faces(struct rnd_import *in, const struct aiMesh *mesh)
 {
     for (unsigned f = 0; f < mesh->mNumFaces; f++) {
@@ -200,7 +199,7 @@ static bool check_faces(struct rnd_import *in, const struct aiMesh *mesh)
     return true;
 }
 
-/* What assimp makes of the file, of triangles. NULL and a line. */
+/* The file as assimp reads it, cut into triangles. NULL and a line. */
 static const struct aiScene *open_file(struct rnd_import *in)
 {
     const unsigned flags = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_FlipUVs;
@@ -213,7 +212,7 @@ static const struct aiScene *open_file(struct rnd_import *in)
             return NULL;
         }
     if ((cut = aiApplyPostProcessing(file, flags))) return cut;
-    file = NULL; /* it has gone with the failure */
+    file = NULL; /* the failure has freed it */
 fail:;
     const char *why = aiGetErrorString();
     rnd_import_fail(in, "%s", why && *why ? why : "holds no scene that can be read");

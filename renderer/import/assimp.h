@@ -6,10 +6,10 @@
 
 struct aiMesh;
 
-/* Make a shape of a mesh's triangles; the name must outlive the import. False and a line in in->error. */
+/* Make a shape of a mesh's triangles. The name must outlive the import. False and a line in in->error. */
 bool rnd_assimp_mesh(struct rnd_import *in, const struct aiMesh *from, uint32_t material, const char *name);
 
-/* All of a file in a format that assimp reads. */
+/* Read all of a file, in a format that assimp reads. False and a line in in->error. */
 bool rnd_import_assimp(struct rnd_import *in);
 
 #endif

@@ -1,5 +1,5 @@
-/* Files as assimp gets them: regular ones alone, and of a material library nothing that belongs to no
- * material, which assimp 5.2.5 and 5.4.3 write to a null pointer. */
+/* Files as assimp gets them: only regular ones; and material libraries without the lines above the first
+ * material, which assimp 5.2.5 and 5.4.3 would write to a null pointer. */
 #include "import/assimp_file.h"
 #include "import/open_file.h"
 
@@ -58,8 +58,8 @@ static bool ends_in_mtl(const char *path)
     return dot && strcasecmp(dot, ".mtl") == 0;
 }
 
-/* A copy of a material library without what is above its first material, and a warning of that. NULL if it
- * cannot be made. */
+/* A copy of a material library without the lines above its first material, with a warning. NULL if it cannot
+ * be made. */
 static FILE *from_first_material(struct rnd_import *in, const char *path, FILE *from)
 {
     char *line = NULL;
@@ -73,7 +73,7 @@ static FILE *from_first_material(struct rnd_import *in, const char *path, FILE *
         const char *word = line + strspn(line, " \t\r\n");
         begun = begun || strncmp(word, "newmtl", 6) == 0;
         if (begun)
-            ok = fwrite(line, 1, (size_t)length, to) == (size_t)length; /* it may hold NULs */
+            ok = fwrite(line, 1, (size_t)length, to) == (size_t)length; /* the line may hold NULs */
         else if (*word && *word != '#')
             rnd_warn(&in->scene->warnings,
                      "%.200s: line %d: %.*s: expected newmtl before it; it is passed over", path, number,

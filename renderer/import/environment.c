@@ -7,7 +7,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* The largest half: what clipped to infinity was at least as bright. And what weights can be summed up to. */
+/* The largest half float, in place of infinity: the clipped value was at least as large, and weights can
+ * still be summed. */
 #define INFINITE_RADIANCE 65504.0f
 #define MOST_RADIANCE     1e30f
 
@@ -17,8 +18,8 @@ struct filling {
     struct rnd_env *env;
     size_t channels;
     bool too_large;
-    size_t bad, first; /* texels that are no radiance, and the first of them */
-    float first_value; /* of that texel */
+    size_t bad, first; /* number of texels that are no radiance, and the index of the first */
+    float first_value; /* of the first bad texel */
 };
 
 /* 16384 x 8192: 2 GiB of texels, and 1 GiB of tables. */
@@ -40,7 +41,7 @@ static bool begin(struct rnd_pixels_sink *sink, const struct rnd_picture *pictur
     return env->texel;
 }
 
-/* Take the radiance of texels. What no radiance can be is clamped. */
+/* Take the radiance of some rows, with values that no radiance can have clamped. */
 static bool take_rows(struct rnd_pixels_sink *sink, int first_row, int rows, const void *pixels)
 {
     struct filling *filling = (struct filling *)(void *)sink;

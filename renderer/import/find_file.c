@@ -46,8 +46,8 @@ static bool is_relative(const char *name)
     return name[0] != '/' && name[scheme] != ':';
 }
 
-/* Append the entry of a folder whose name is this but for its letter case: of several the first in the order
- * of bytes. */
+/* Append to a folder the entry that has this name in another letter case; of several the first in order of
+ * bytes. */
 static bool append_entry(char path[RND_PATH_SIZE], const char *name)
 {
     const size_t used = strlen(path);
@@ -61,7 +61,7 @@ static bool append_entry(char path[RND_PATH_SIZE], const char *name)
     return *best && snprintf(path + used, RND_PATH_SIZE - used, "%s", best) < (int)(RND_PATH_SIZE - used);
 }
 
-/* The file of that relative name in any letter case. */
+/* Find the file of that relative name in any letter case. */
 static bool find_any_case(const char *directory, const char *name, char out[RND_PATH_SIZE])
 {
     char names[RND_PATH_SIZE], *rest = names;

@@ -1,5 +1,5 @@
-/* Files that a scene names. What exporters write is often not quite what lies beside the scene: another
- * letter case, back slashes, folders of the machine that it was made on. */
+/* Finds the files that a scene names. Exporters often write names that differ from the files: in letter case,
+ * with backslashes, or with folders of the machine that wrote them. */
 #ifndef FOVEAD_RENDERER_FIND_FILE_H
 #define FOVEAD_RENDERER_FIND_FILE_H
 
@@ -8,12 +8,13 @@
 
 enum { RND_PATH_SIZE = 4096 };
 
-/* The file that a scene in directory ("", or with a slash at its end) calls name: as it is written, with a
- * slash for each backslash, then in another letter case, then its base name beside the scene. of_uri: name is
- * a URI: percent-encoding is undone, and only the base name counts of a URI that is not relative. Only
- * regular files are found. If there is none, out is where it was expected, and the result is false. */
+/* Find the file that a scene in directory ("", or with a slash at its end) calls name. Tried are: the name
+ * with a slash for each backslash; the same in another letter case; and its base name beside the scene.
+ * of_uri: name is a URI, so percent-encoding is undone, and of a URI that is not relative only the base name
+ * is used. Only regular files are found. False if there is none; out is then the path at which it was
+ * expected. */
 bool rnd_find_file(const char *directory, const char *name, bool of_uri, char out[RND_PATH_SIZE]);
-/* Why there is none where it was expected: a static text. */
+/* Why no file was found at the expected path: a static text. */
 const char *rnd_why_not_found(const char *path);
 
 #endif

@@ -1,4 +1,4 @@
-/* Handing a scene over. */
+/* Writing a scene into one piece of memory. */
 #include "import/flat_put.h"
 
 #include <errno.h>
@@ -65,7 +65,7 @@ static struct rnd_flat_mesh put_mesh(struct put *put, const struct rnd_mesh *mes
         .index = put_bytes(put, mesh->index, mesh->triangles * sizeof *mesh->index)};
 }
 
-/* All meshes, which are freed one after the other. */
+/* Write all meshes, each of which is then freed. */
 static void put_meshes(struct put *put, struct rnd_scene *scene, struct rnd_flat_list *out)
 {
     struct rnd_flat_mesh *mesh = calloc(scene->mesh_count + 1, sizeof *mesh);
@@ -97,7 +97,7 @@ bool rnd_flat_put(struct rnd_scene *scene, int fd)
 {
     struct put put = {.fd = fd, .ok = true};
     struct rnd_flat_head head = {.magic = RND_FLAT_MAGIC, .layout = rnd_flat_layout()};
-    put_bytes(&put, &head, sizeof head); /* its place; what it says comes last */
+    put_bytes(&put, &head, sizeof head); /* room for the head, which is written last */
     put_meshes(&put, scene, &head.mesh);
     put_textures(&put, scene, &head.texture);
     head.material = put_list(&put, scene->material, scene->material_count, sizeof *scene->material);

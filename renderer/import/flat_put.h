@@ -1,11 +1,11 @@
-/* A scene written in one piece. */
+/* Writing a scene into one piece of memory (flat.h). */
 #ifndef FOVEAD_RENDERER_FLAT_PUT_H
 #define FOVEAD_RENDERER_FLAT_PUT_H
 
 #include "import/flat.h"
 
-/* Write a scene to an empty file, freeing its meshes on the way, so that they are there once.
- * False if that fails. */
+/* Write a scene to an empty file. Each mesh is freed when it is written, so that memory holds it once. False
+ * on failure. */
 bool rnd_flat_put(struct rnd_scene *scene, int fd);
 
 #endif

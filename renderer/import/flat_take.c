@@ -1,4 +1,4 @@
-/* Taking a scene over: checks everything that the renderer takes for granted in a scene. */
+/* Taking a scene from memory: checks everything that the renderer assumes of a scene. */
 #include "import/flat_take.h"
 #include "material/material.h"
 
@@ -12,7 +12,8 @@ struct take {
     struct rnd_scene *scene;
     const uint8_t *bytes;
     size_t size;
-    size_t left; /* bytes that no part has yet: parts share none, so that nothing is multiplied */
+    size_t left; /* bytes that no part has taken: parts share no bytes, so that they cannot be larger than
+                    the memory */
     char *why;
     size_t why_size;
 };
@@ -30,8 +31,8 @@ static bool fail(struct take *take, const char *format, ...)
 
 /* --- places --- */
 
-/* count elements of that size, and room bytes more, at a place. NULL if they are not all within the memory,
- * or more is asked for in all than there is. */
+/* Find count elements of that size, and room more bytes, at a place. NULL if they are not all within the
+ * memory, or if all parts together are larger than it. */
 static const void *part(struct take *take, uint64_t at, uint64_t count, size_t size, size_t room)
 {
     enum { ALIGN = 16 };
@@ -49,8 +50,8 @@ static const char *text_at(struct take *take, uint64_t at)
     return text;
 }
 
-/* A list, copied; of one element at least. NULL and why if it is not there, or memory is short. The caller
- * frees. */
+/* Copy a list, with room for at least one element. NULL and why if it is not within the memory, or memory is
+ * short. The caller frees. */
 static void *copy_list(struct take *take, const struct rnd_flat_list *list, size_t size, const char *name,
                        uint32_t *out_count)
 {
@@ -66,7 +67,7 @@ static void *copy_list(struct take *take, const struct rnd_flat_list *list, size
 
 /* --- numbers --- */
 
-/* Is each from low to high, and a number? */
+/* Is each value a number from low to high? */
 static bool within(const float *value, size_t count, float low, float high)
 {
     bool good = true;
@@ -81,7 +82,7 @@ static bool all_within(const double *value, size_t count, double most)
     return true;
 }
 
-/* Is what may be any byte a bool? Asked before it is read as one. */
+/* Is this byte a bool? To be asked before it is read as one. */
 static bool is_bool(const bool *value)
 {
     return *(const unsigned char *)value <= 1;
@@ -187,7 +188,7 @@ static bool take_textures(struct take *take, const struct rnd_flat_head *head)
 
 /* --- meshes and their places --- */
 
-/* n numbers a vertex within a range, if there are any. The array is not written to. */
+/* Take n numbers per vertex within a range, if there are any. The array is only read. */
 static bool take_attribute(struct take *take, uint64_t at, const struct rnd_mesh *mesh, size_t n, float low,
                            float high, float **out)
 {

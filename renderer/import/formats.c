@@ -1,4 +1,4 @@
-/* A scene file: which reader it is for. */
+/* Chooses the reader of a scene file. */
 #include "import/formats.h"
 #include "import/assimp.h"
 #include "import/gltf.h"
@@ -9,7 +9,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* Is it glTF: by its ending, or by the first bytes of a GLB? */
+/* Is the file glTF, by the end of its name or the first bytes of a GLB? */
 static bool is_gltf(const char *path, const char start[4])
 {
     const char *dot = strrchr(path, '.');

@@ -1,4 +1,4 @@
-/* A glTF file, whole: what is read of it, and in which order. */
+/* Reading a glTF file: its parts, in order. */
 #include "import/gltf.h"
 #include "import/gltf_json.h"
 #include "import/gltf_material.h"

@@ -7,10 +7,10 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Most elements of an accessor without a buffer view: no bytes of the file bound its count. */
+/* Most elements of an accessor without a buffer view, whose count no bytes of the file bound. */
 enum { MAX_ZEROS = 1 << 20 };
 
-/* Bytes of a number; 0 if there is no such component. */
+/* Bytes of a component; 0 if there is no such type. */
 static size_t size_of(size_t component)
 {
     switch (component) {
@@ -106,7 +106,7 @@ static bool open_sparse(struct rnd_gltf *gltf, const json_t *json, const char *a
     return true;
 }
 
-/* The first of the sparse elements that is not before i. */
+/* The first sparse element at i or after it. */
 static size_t first_sparse(const struct rnd_gltf_accessor *a, size_t i)
 {
     size_t low = 0, high = a->sparse;

@@ -1,4 +1,4 @@
-/* The numbers that accessors of a glTF file find in its bytes. */
+/* Accessors of a glTF file: numbers in its buffers. */
 #ifndef FOVEAD_RENDERER_GLTF_ACCESSOR_H
 #define FOVEAD_RENDERER_GLTF_ACCESSOR_H
 
@@ -20,12 +20,12 @@ struct rnd_gltf_accessor {
     bool normalised;   /* integers stand for -1 to 1, or 0 to 1 */
     size_t stride;     /* bytes from element to element */
     const uint8_t *at; /* the first, or NULL: all are 0 */
-    size_t sparse;     /* elements that are elsewhere, at rising indices */
+    size_t sparse;     /* number of sparse elements, at rising indices */
     size_t sparse_component;
     const uint8_t *sparse_index, *sparse_value;
 };
 
-/* Find an accessor; all that it says is there is there. False and a line. */
+/* Find an accessor, and check that all its numbers are within the buffers. False and a line. */
 bool rnd_gltf_accessor(struct rnd_gltf *gltf, const json_t *index, const char *where,
                        struct rnd_gltf_accessor *out);
 /* Elements first .. first + count as floats, integers normalised as glTF 2.0 section 3.6.2.2 says. */

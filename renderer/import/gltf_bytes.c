@@ -58,7 +58,7 @@ bool rnd_gltf_ask(struct rnd_gltf *gltf, size_t numbers, const char *where)
     return true;
 }
 
-/* size bytes of a file from start on. NULL with *out_there as many as there are. */
+/* Read size bytes of a file from start on. NULL if there are fewer; *out_there says how many. */
 static uint8_t *read_file(const char *path, size_t start, size_t size, size_t *out_there)
 {
     const char *why;
@@ -78,7 +78,7 @@ static uint8_t *read_file(const char *path, size_t start, size_t size, size_t *o
     return bytes;
 }
 
-/* The bytes of a buffer's URI. NULL and a line. */
+/* Read the bytes of a buffer's URI. NULL and a line. */
 static uint8_t *read_uri(struct rnd_gltf *gltf, const char *uri, size_t size, const char *where)
 {
     char path[RND_PATH_SIZE];

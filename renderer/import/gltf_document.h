@@ -27,17 +27,17 @@ struct rnd_gltf {
     size_t root_count, *node_root; /* nodes where the scene begins */
     struct rnd_pose *pose;         /* of nodes, at the first frame of the first animation */
     bool *moved;                   /* is that pose to be used? */
-    bool *visited;                 /* nodes that a round has met */
+    bool *visited;                 /* nodes that the present walk has met */
     struct rnd_gltf_mesh {
         bool read;
         uint32_t first, count; /* of the import's shapes */
     } * mesh;
     struct rnd_gltf_image {
         bool read;
-        int texture;       /* the scene's, or -1 after a warning */
-    } (*image)[2];         /* of the file's images: as numbers, and as colours */
+        int texture;       /* index in the scene, or -1 after a warning */
+    } (*image)[2];         /* of the file's images, read as numbers and as colours */
     uint64_t bytes, asked; /* of buffers that were read; numbers that were asked for */
-    bool morphs;           /* weights of morph targets that are not 0 are asked for */
+    bool morphs;           /* the file uses weights of morph targets that are not 0 */
 };
 
 #endif

@@ -1,4 +1,4 @@
-/* The JSON of a glTF file, of JSON alone or of a GLB's first chunk. */
+/* The JSON of a glTF file: the whole file, or the first chunk of a GLB. */
 #include "import/gltf_json.h"
 #include "import/open_file.h"
 
@@ -54,7 +54,7 @@ static bool parse(struct rnd_gltf *gltf, const char *text, size_t length)
         text += 3;
         length -= 3;
     }
-    while (length > 0 && text[length - 1] == 0) length--; /* some pad the chunk with zeros */
+    while (length > 0 && text[length - 1] == 0) length--; /* some exporters pad the chunk with zeros */
     if ((gltf->root = json_loadb(text, length, 0, &why))) return true;
     return rnd_import_fail(gltf->in, "line %d, column %d: expected JSON: %.150s", why.line, why.column,
                            why.text);
@@ -132,8 +132,7 @@ const json_t *rnd_gltf_at(struct rnd_gltf *gltf, const char *list, const json_t 
 
 /* --- what it asks for --- */
 
-/* Extensions that are known, and what is left out of them; NULL if that is nothing, or is named where it is
- * met. */
+/* Known extensions, and what of each is not done; NULL: nothing, or it is named where it is read. */
 static const char *const known[][2] = {
     {"EXT_lights_image_based", "its own environment (see --env)"},
     {"EXT_mesh_gpu_instancing", NULL},
@@ -200,7 +199,7 @@ void rnd_gltf_name_unsupported(struct rnd_gltf *gltf)
     }
 }
 
-/* Another version, or geometry that cannot be read: no part of it can be shown. */
+/* Refuse a file of another version, or with geometry that cannot be read. */
 static bool check_asset(struct rnd_gltf *gltf)
 {
     const json_t *asset = json_object_get(gltf->root, "asset"),

@@ -31,7 +31,7 @@ static void warn(struct reader *r, const char *key, const char *what)
 static float check(struct reader *r, const char *key, double value, double low, double high)
 {
     const double clamped = fmin(fmax(value, low), high), slack = high < FLT_MAX ? 1e-4 * high : 0.0;
-    if (!(value >= low - slack && value <= high + slack)) { /* else an exporter has rounded */
+    if (!(value >= low - slack && value <= high + slack)) { /* within slack: an exporter has rounded */
         char what[120];
         snprintf(what, sizeof what, "%g, expected %g to %g; %g is used", value, low, high, clamped);
         warn(r, key, what);
@@ -48,7 +48,7 @@ static float number(struct reader *r, const json_t *object, const char *key, flo
     return otherwise;
 }
 
-/* A list of n numbers, or else what out holds already. */
+/* Read a list of n numbers; without it out stays as it is. */
 static void numbers(struct reader *r, const json_t *object, const char *key, size_t n, double low,
                     double high, float *out)
 {
@@ -66,7 +66,7 @@ static void numbers(struct reader *r, const json_t *object, const char *key, siz
 
 /* --- maps --- */
 
-/* Name of an image by what its bytes say, since OpenImageIO goes by the ending. */
+/* A file name extension from an image's bytes, by which OpenImageIO chooses its reader. */
 static const char *ending(const uint8_t *bytes, size_t count, const json_t *image)
 {
     const char *mime = json_string_value(json_object_get(image, "mimeType"));
@@ -118,7 +118,7 @@ static int read_image(struct reader *r, size_t index, const json_t *image, bool 
     return texture;
 }
 
-/* The same, read once for all the maps that share it. */
+/* The same, but read once for all maps that share the image. */
 static int add_image(struct reader *r, size_t index, const json_t *image, bool srgb)
 {
     struct rnd_gltf_image *known = &r->gltf->image[index][srgb];
@@ -205,12 +205,12 @@ static void read_volume(struct reader *r, const json_t *json)
         distance = INFINITY;
     }
     to->thin = !(thickness > 0.0f);
-    /* of black no finite absorption makes; this leaves a millionth */
+    /* no finite absorption makes black; this leaves a millionth */
     for (int c = 0; !to->thin && c < 3; c++)
         to->absorption.raw[c] = fminf(-logf(fmaxf(colour.raw[c], 1e-6f)) / distance, FLT_MAX);
 }
 
-/* The older workflow: diffuse and specular colours, which the newer one has too, as base and reflectance. */
+/* The older workflow: its diffuse and specular colours become base colour and reflectance. */
 static void read_specular_glossiness(struct reader *r, const json_t *json)
 {
     struct rnd_material *to = r->to;
@@ -232,7 +232,7 @@ static void read_specular_glossiness(struct reader *r, const json_t *json)
 
 static void read_extensions(struct reader *r, const json_t *json)
 {
-    /* What is asked for and not done, and the name under which it is reported. */
+    /* Features that are not done, and the names under which they are reported. */
     static const struct {
         const char *extension, *name;
     } missing[] = {
@@ -317,7 +317,7 @@ static bool read_material(struct rnd_gltf *gltf, size_t index, struct rnd_materi
     to->normal_scale = number(&r, normal, "scale", 1.0f, -1e3, 1e3);
     read_map(&r, json, "normalTexture", RND_MAP_NORMAL, false);
 
-    /* Beyond 1 the factor means what it says, though the specification leaves that to the strength. */
+    /* A factor above 1 is used as it is, though by the specification the strength should say so. */
     numbers(&r, json, "emissiveFactor", 3, 0.0, FLT_MAX, to->emission.raw);
     to->emission =
         glms_vec3_scale(to->emission, number(&r, strength, "emissiveStrength", 1.0f, 0.0, FLT_MAX));
@@ -329,7 +329,7 @@ static bool read_material(struct rnd_gltf *gltf, size_t index, struct rnd_materi
     if (alpha && strcmp(alpha, "BLEND") == 0) to->alpha_mode = RND_BLEND;
     to->alpha_cutoff = number(&r, json, "alphaCutoff", 0.5f, 0.0, FLT_MAX);
     to->double_sided = json_is_true(json_object_get(json, "doubleSided"));
-    to->one_sided = !to->double_sided && !(to->transmission > 0.0f); /* glass is seen through to its back */
+    to->one_sided = !to->double_sided && !(to->transmission > 0.0f); /* through glass its back is seen */
     rnd_material_set_kind(to);
     return true;
 }

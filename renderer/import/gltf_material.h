@@ -4,7 +4,7 @@
 
 #include "import/gltf_document.h"
 
-/* All of the file's materials, in its order, and after them glTF's default. Values out of their range are
+/* Read the file's materials, in its order, and append glTF's default material. Values out of range are
  * clamped, with a warning. False and a line. */
 bool rnd_gltf_materials(struct rnd_gltf *gltf);
 

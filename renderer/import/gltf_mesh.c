@@ -18,14 +18,14 @@ struct primitive {
     const json_t *json;
     char where[RND_WHERE_SIZE]; /* its place in the file */
     struct rnd_gltf_accessor position;
-    uint32_t *vertex; /* which of the file's vertices it has; NULL: all from first on */
+    uint32_t *vertex; /* the vertices of the file that it uses; NULL: all from first on */
     uint32_t first;
     struct rnd_mesh mesh;
 };
 
 /* --- triangles --- */
 
-/* The vertices in the file's order. NULL and a line. The caller frees. */
+/* Read the vertex indices, in the file's order. NULL and a line. The caller frees. */
 static uint32_t *read_corners(struct primitive *p, size_t *out_count)
 {
     char where[RND_WHERE_SIZE + 16];
@@ -60,7 +60,8 @@ static uint32_t *read_corners(struct primitive *p, size_t *out_count)
     return corner;
 }
 
-/* Triangles of corners, without those of a strip or fan that only lead to the next. */
+/* Make triangles of vertex indices, without those of a strip or fan that have no area and only lead to the
+ * next. */
 static bool make_triangles(struct primitive *p, const uint32_t *corner, size_t count, size_t mode)
 {
     struct rnd_mesh *mesh = &p->mesh;
@@ -84,8 +85,8 @@ static int compare(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Of vertices that several primitives share, this one gets a part: a range of them, or where that would be
- * mostly others, those that it names. corner holds count of them and is sorted. */
+/* Choose the part of shared vertices that this primitive gets: a range of them, or only those that it uses if
+ * most of the range are others. corner has count indices, and is sorted. */
 static void choose_vertices(struct primitive *p, uint32_t *corner, size_t count)
 {
     struct rnd_mesh *mesh = &p->mesh;
@@ -114,7 +115,7 @@ static void choose_vertices(struct primitive *p, uint32_t *corner, size_t count)
 
 /* --- attributes --- */
 
-/* Find an attribute; *out_any: is there one? Its elements must be of least to most numbers. */
+/* Find an attribute, with elements of least to most numbers. *out_any: is there one? */
 static bool find_attribute(struct primitive *p, const char *name, size_t least, size_t most,
                            struct rnd_gltf_accessor *out, bool *out_any)
 {
@@ -132,7 +133,7 @@ static bool find_attribute(struct primitive *p, const char *name, size_t least, 
     return true;
 }
 
-/* The primitive's part of an attribute, n floats a vertex, and one float more. NULL and a line. */
+/* Read the primitive's part of an attribute: n floats per vertex, and one float more. NULL and a line. */
 static float *read_floats(struct primitive *p, const struct rnd_gltf_accessor *a)
 {
     const size_t count = p->mesh.vertices;
@@ -156,7 +157,7 @@ static bool read_attribute(struct primitive *p, const char *name, size_t n, floa
     return !any || (*out = read_floats(p, &a));
 }
 
-/* Three or four numbers; integers are normalised, whether they say so or not. */
+/* Read colours of three or four numbers. Integers are normalised even if the accessor does not say so. */
 static bool read_colour(struct primitive *p)
 {
     struct rnd_gltf_accessor a;
@@ -177,7 +178,7 @@ static bool read_colour(struct primitive *p)
     return to || rnd_import_fail(p->gltf->in, "not enough memory");
 }
 
-/* Tangents are read where a normal map asks for them. */
+/* Read all attributes; tangents only if the material has a normal map. */
 static bool read_attributes(struct primitive *p)
 {
     struct rnd_mesh *mesh = &p->mesh;
@@ -194,7 +195,7 @@ static bool read_attributes(struct primitive *p)
 static bool read_material(struct primitive *p)
 {
     char where[RND_WHERE_SIZE + 16];
-    size_t index = rnd_gltf_length(p->gltf, "materials"); /* there the default is */
+    size_t index = rnd_gltf_length(p->gltf, "materials"); /* the default material is there */
     const json_t *material = json_object_get(p->json, "material");
     snprintf(where, sizeof where, "%s.material", p->where);
     if (material && !rnd_gltf_at(p->gltf, "materials", material, where, &index)) return false;

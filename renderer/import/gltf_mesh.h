@@ -4,7 +4,7 @@
 
 #include "import/gltf_document.h"
 
-/* Make shapes of a mesh's primitives, once. False and a line. */
+/* Make shapes of a mesh's primitives, if that has not been done. False and a line. */
 bool rnd_gltf_read_mesh(struct rnd_gltf *gltf, size_t mesh);
 
 #endif

@@ -1,6 +1,5 @@
-/* Nodes of a glTF file: where they are, at the first key of the first animation; what is at them; and meshes
- * that are there many times over by EXT_mesh_gpu_instancing.
- */
+/* Nodes of a glTF file: their poses, at the first key of the first animation; their meshes, lights and
+ * cameras; and the instances of EXT_mesh_gpu_instancing. */
 #include "import/gltf_node.h"
 #include "import/gltf_accessor.h"
 #include "import/gltf_bytes.h"
@@ -21,7 +20,7 @@ static const json_t *node_at(const struct rnd_gltf *gltf, size_t i)
     return json_array_get(json_object_get(gltf->root, "nodes"), i);
 }
 
-/* n numbers, or else what out holds already. */
+/* Read n numbers; without them out stays as it is. */
 static bool read_array(const json_t *object, const char *key, size_t n, float *out)
 {
     const json_t *array = json_object_get(object, key);
@@ -34,7 +33,7 @@ static bool read_array(const json_t *object, const char *key, size_t n, float *o
 
 /* --- the trees --- */
 
-/* Note whose child each node is; SIZE_MAX: nobody's. */
+/* Find the parent of each node; SIZE_MAX: none. */
 static bool find_parents(struct rnd_gltf *gltf, size_t count, size_t *parent)
 {
     char where[RND_WHERE_SIZE];
@@ -63,9 +62,9 @@ static bool find_parents(struct rnd_gltf *gltf, size_t count, size_t *parent)
     return true;
 }
 
-/* The nodes of the scene that is shown: the one that the file says, else the first; of a file without scenes,
- * all that are nobody's children. Those that are children too (UniGLTF writes such) come last, so that they
- * are met in their tree if that is shown. */
+/* Find the root nodes of the scene that the file names, else of its first scene; in a file without scenes,
+ * all nodes without a parent. Roots that are also children (UniGLTF writes such) come last: if their tree is
+ * shown, they are met there first. */
 static bool find_roots(struct rnd_gltf *gltf, size_t count, const size_t *parent)
 {
     const size_t scenes = rnd_gltf_length(gltf, "scenes");
@@ -109,7 +108,8 @@ bool rnd_gltf_check_nodes(struct rnd_gltf *gltf)
 
 /* --- the first frame --- */
 
-/* count elements from first on, n numbers each. False and a line if they are not there or not finite. */
+/* Read count elements from first on, of n numbers each. False and a line if there are fewer, or not finite
+ * ones. */
 static bool read_floats(struct rnd_gltf *gltf, const json_t *index, const char *where, size_t n, size_t first,
                         size_t count, float *out)
 {
@@ -125,7 +125,7 @@ static bool read_floats(struct rnd_gltf *gltf, const json_t *index, const char *
     return true;
 }
 
-/* Is any of the first key's weights not 0? */
+/* Does the first key have a weight that is not 0? */
 static bool read_weights(struct rnd_gltf *gltf, const json_t *node, const json_t *output, const char *where,
                          bool spline)
 {
@@ -160,7 +160,7 @@ static void read_pose(const json_t *node, struct rnd_pose *pose)
     read_array(node, "scale", 3, pose->scale);
 }
 
-/* One channel's first key. */
+/* Read the first key of one channel. */
 static bool read_channel(struct rnd_gltf *gltf, const json_t *animation, size_t channel_index)
 {
     char where[RND_WHERE_SIZE], inside[RND_WHERE_SIZE];
@@ -179,7 +179,7 @@ static bool read_channel(struct rnd_gltf *gltf, const json_t *animation, size_t 
             gltf->in, "animations[0].channels[%zu].sampler: expected the index of a sampler", channel_index);
 
     const char *way = json_string_value(json_object_get(sampler, "interpolation"));
-    /* a cubic spline's key is three values: the tangents before and after stand around its own */
+    /* a key of a cubic spline is three values: tangent, value, tangent */
     const bool spline = way && strcmp(way, "CUBICSPLINE") == 0, turns = strcmp(path, "rotation") == 0;
     const json_t *output = json_object_get(sampler, "output");
     if (strcmp(path, "weights") == 0) return read_weights(gltf, node_at(gltf, i), output, inside, spline);
@@ -207,7 +207,7 @@ bool rnd_gltf_first_frame(struct rnd_gltf *gltf)
 
 /* --- instances within a node --- */
 
-/* Read one of their attributes into poses, which are made when the first one says how many there are. */
+/* Read an attribute of the instances into poses, which are allocated by the count of the first attribute. */
 static bool read_instances(struct rnd_gltf *gltf, const json_t *index, const char *where, size_t n,
                            size_t offset, struct rnd_pose **pose, size_t *count)
 {
@@ -228,8 +228,8 @@ static bool read_instances(struct rnd_gltf *gltf, const json_t *index, const cha
     return ok;
 }
 
-/* Poses of EXT_mesh_gpu_instancing; *out_count is 0 if the node does not ask for any. The caller frees them
- * in any case. */
+/* Read the poses of EXT_mesh_gpu_instancing; *out_count is 0 if the node has none. The caller frees them also
+ * on failure. */
 static bool read_poses(struct rnd_gltf *gltf, size_t node, struct rnd_pose **out_pose, size_t *out_count)
 {
     static const struct {
@@ -282,7 +282,7 @@ static bool place_mesh(struct rnd_gltf *gltf, size_t node, const struct rnd_affi
 
 /* --- lights --- */
 
-/* A number that is not negative; false if it is there and is not that. */
+/* Read a number that is not negative. False if it is something else; without it out stays as it is. */
 static bool read_amount(const json_t *object, const char *key, float *out)
 {
     const json_t *value = json_object_get(object, key);
@@ -345,7 +345,7 @@ static struct rnd_affine local_map(const struct rnd_gltf *gltf, size_t node)
     return rnd_affine_pose(pose.translation, pose.rotation, pose.scale);
 }
 
-/* A node and those below it; nothing of one that KHR_node_visibility hides. */
+/* Walk a node and those below it, unless KHR_node_visibility hides it. */
 static bool walk_node(struct rnd_gltf *gltf, size_t node, const struct rnd_affine *parent)
 {
     static const float origin[3] = {0, 0, 0};

@@ -4,11 +4,11 @@
 
 #include "import/gltf_document.h"
 
-/* See that nodes are trees, and find where the scene begins. False and a line. */
+/* Check that the nodes are trees, and find the roots of the scene. False and a line. */
 bool rnd_gltf_check_nodes(struct rnd_gltf *gltf);
-/* Find the poses of the first frame, and whether it is morphed. False and a line. */
+/* Read the poses of the first frame of the animation, and whether it morphs. False and a line. */
 bool rnd_gltf_first_frame(struct rnd_gltf *gltf);
-/* Hand all nodes of the scene over: rnd_import_nodes() calls it. */
+/* Hand over all nodes of the scene; rnd_import_nodes() calls this. */
 bool rnd_gltf_walk(struct rnd_import *in, void *gltf);
 
 #endif

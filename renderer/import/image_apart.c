@@ -1,4 +1,4 @@
-/* Asking copies of fovead-image for pictures, and to write some. */
+/* Reading and writing pictures by copies of fovead-image. */
 #include "import/image_apart.h"
 #include "import/image_packet.h"
 
@@ -11,17 +11,17 @@
 #include <string.h>
 #include <unistd.h>
 
-/* With a copy, about one picture. */
+/* The exchange with a copy about one picture. */
 struct talk {
-    const char *who; /* the copy is, for error lines */
+    const char *who; /* what the copy is called in error lines */
     int socket;
     const atomic_bool *cancel[2];
     struct rnd_reader_limits limits;
     double last; /* when patience ends: rnd_reader_now() */
     char *error;
     size_t error_size;
-    bool over; /* the copy takes nothing more: what it has said tells why */
-    bool gone; /* it has ended, and nothing tells how */
+    bool over; /* the copy takes nothing more; its last packets tell why */
+    bool gone; /* the copy has ended, and no packet tells how */
 };
 
 static bool fail(struct talk *talk, const char *what)
@@ -52,7 +52,7 @@ static bool wait_for(struct talk *talk, short events)
     }
 }
 
-/* What nobody takes any more is left out, which is no failure: the answer is to come. */
+/* If the copy takes nothing more, nothing is sent; that is no failure, since its answer will tell why. */
 static bool send_packet(struct talk *talk, enum rnd_image_packet kind, const void *bytes, size_t count,
                         int fd)
 {
@@ -74,7 +74,7 @@ static bool send_data(struct talk *talk, const void *bytes, size_t count)
     return true;
 }
 
-/* The next packet; one that says how the copy ended is a failure. -1 then. */
+/* Receive the next packet. -1 on failure, also if the packet tells that the copy has ended. */
 static ssize_t receive_packet(struct talk *talk, enum rnd_image_packet *out_kind, void *bytes, size_t count)
 {
     for (;;) {
@@ -82,7 +82,7 @@ static ssize_t receive_packet(struct talk *talk, enum rnd_image_packet *out_kind
         int status;
         if (!wait_for(talk, POLLIN)) return -1;
         got = rnd_image_receive(talk->socket, out_kind, bytes, count, NULL);
-        /* ECONNRESET comes once, before what was sent, if there is something that the copy has not read */
+        /* ECONNRESET comes once, before what the copy sent, if the copy has left something unread */
         if (got == -1 && (errno == EAGAIN || errno == ECONNRESET)) continue;
         talk->gone = got < 0;
         if (talk->gone) return fail_with(talk, "has gone"), -1;
@@ -95,7 +95,7 @@ static ssize_t receive_packet(struct talk *talk, enum rnd_image_packet *out_kind
     }
 }
 
-/* A line in place of what was expected, behind what it is about. Returns false. */
+/* Take a line of error that came instead, and put about before it. Returns false. */
 static bool take_error(struct talk *talk, const char *about, enum rnd_image_packet kind, const void *text,
                        size_t count)
 {
@@ -114,7 +114,7 @@ static const char NOT_READABLE[] = "not a readable image: ";
 struct wanted {
     struct talk talk;
     const struct rnd_pixels_file *file;
-    struct rnd_pixels_sink *sink; /* NULL: only what it begins with is wanted */
+    struct rnd_pixels_sink *sink; /* NULL: only the size is wanted */
     struct rnd_picture picture;
 };
 
@@ -136,7 +136,7 @@ static bool ask(struct wanted *wanted)
            (!memory || send_data(&wanted->talk, memory, count));
 }
 
-/* Is it a picture that can be? */
+/* Is it a possible picture? */
 static bool is_picture(const struct rnd_picture *picture, bool want_bytes)
 {
     return picture->width > 0 && picture->height > 0 &&
@@ -145,7 +145,7 @@ static bool is_picture(const struct rnd_picture *picture, bool want_bytes)
            *(const unsigned char *)&picture->display <= 1;
 }
 
-/* All rows, some at a time, into the sink. */
+/* Pass all rows to the sink, some at a time. */
 static bool take_rows(struct wanted *wanted, const struct rnd_picture *picture)
 {
     enum { STRIP_BYTES = 4 << 20 };
@@ -216,8 +216,8 @@ static bool get(struct rnd_image_reader *reader, struct wanted *wanted, char *ou
         if (reader->socket < 0) return fail(&wanted->talk, error);
         wanted->talk.socket = reader->socket;
         ok = ask(wanted) && take(wanted);
-        if (!ok) rnd_image_reader_finish(reader); /* nothing is known of what it does now */
-        /* another copy is asked once, unless a sink has begun, which cannot begin again */
+        if (!ok) rnd_image_reader_finish(reader); /* the state of the copy is unknown */
+        /* ask another copy, once; but not if the sink has begun, which cannot begin again */
         again = wanted->talk.gone && wanted->picture.width == 0;
         if (wanted->talk.gone) rnd_image_program_gone(reader->program, reader->pid);
     }
@@ -248,7 +248,7 @@ void rnd_image_reader_finish(struct rnd_image_reader *reader)
 
 /* --- writing --- */
 
-/* All rows, each in packets of its own. */
+/* Send all rows, each in packets of its own. */
 static bool send_rows(struct talk *talk, const struct rnd_layout *layout, struct rnd_pixels_source *source)
 {
     const size_t values = (size_t)layout->width * (size_t)layout->channels;
@@ -262,7 +262,8 @@ static bool send_rows(struct talk *talk, const struct rnd_layout *layout, struct
     return ok;
 }
 
-/* The file once more, so that a lock of it (flock) remains this program's alone; else itself. */
+/* Open the file again, so that its lock (flock) stays with this program alone; if that fails, the same
+ * descriptor. */
 static int open_again(int fd)
 {
     char path[32];
@@ -299,7 +300,7 @@ bool rnd_image_write_apart(struct rnd_image_program *program, int fd, const stru
             ok = put(&talk, layout, source, own);
         if (own >= 0) close(own);
         close(talk.socket);
-        again = talk.gone; /* another program is started once */
+        again = talk.gone; /* start another program, once */
         if (again) rnd_image_program_gone(program, pid);
     }
     return ok;

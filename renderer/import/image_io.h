@@ -1,4 +1,4 @@
-/* A C face for OpenImageIO, which has only a C++ one. import/image_io.cc is the only C++ of the product. */
+/* A C interface to OpenImageIO, which has only a C++ one. image_io.cc is the only C++ file of the product. */
 #ifndef FOVEAD_RENDERER_IMAGE_IO_H
 #define FOVEAD_RENDERER_IMAGE_IO_H
 
@@ -25,39 +25,40 @@ struct rnd_pixels {
     char channel_names[RND_MAX_CHANNELS][32];
 };
 
-/* A picture whose rows are to come. */
+/* A picture, before its rows come. */
 struct rnd_picture {
     int width, height, channels;
-    bool display, bytes; /* as of struct rnd_pixels; rows are bytes, else floats */
+    bool display, bytes; /* display as in struct rnd_pixels; bytes: rows are bytes, else floats */
     char channel_names[RND_MAX_CHANNELS][32];
 };
 
-/* Who takes a picture. Either says false if memory is short. */
+/* Takes a picture. Both functions return false if memory is short. */
 struct rnd_pixels_sink {
     bool (*begin)(struct rnd_pixels_sink *sink, const struct rnd_picture *picture);
-    /* count rows from the first on, in order; pixels are the caller's. */
+    /* Take count rows from first on; they come in order. The caller owns pixels. */
     bool (*rows)(struct rnd_pixels_sink *sink, int first, int count, const void *pixels);
 };
 
-/* An image file, and what it is read for. */
+/* An image file, and what its pixels are used for. */
 struct rnd_pixels_file {
     const char *path;
-    const void *memory; /* count bytes that are read instead; the path is their name. NULL: none */
+    const void *memory; /* count bytes in memory that are read instead; the path is then their name. NULL:
+                           read the file */
     size_t count;
     enum rnd_pixels_use use;
-    bool want_bytes; /* if the file holds 8-bit integers */
+    bool want_bytes; /* read bytes if the file holds 8-bit integers */
 };
 
 /* Read the first part of an image file, some rows at a time. At most RND_MAX_CHANNELS channels. Error text is
  * one line without the path. */
 bool rnd_pixels_stream(const struct rnd_pixels_file *file, struct rnd_pixels_sink *sink, char *out_error,
                        size_t error_size);
-/* Read it all into memory. */
+/* Read all of the picture into memory. */
 bool rnd_pixels_read(const struct rnd_pixels_file *file, struct rnd_pixels *out_pixels, char *out_error,
                      size_t error_size);
 void rnd_pixels_finish(struct rnd_pixels *pixels);
 
-/* No wider integers: OpenImageIO takes 0..1 for all of an integer's range, so that counts would not survive.
+/* There are no wider integers: OpenImageIO maps an integer's range to 0..1, so that counts would not survive.
  */
 enum rnd_channel_type { RND_HALF, RND_FLOAT, RND_BYTE };
 
@@ -66,18 +67,18 @@ struct rnd_channel {
     enum rnd_channel_type type;
 };
 
-/* What is written. */
+/* The layout of a picture that is written. */
 struct rnd_layout {
     int width, height, channels;
     struct rnd_channel channel[RND_MAX_CHANNELS];
-    bool equirectangular; /* with the marks by which a viewer knows a 360-degree panorama */
+    bool equirectangular; /* marked as a 360-degree panorama for viewers */
     char format[16];      /* a file name extension */
 };
 
-/* Who has the pixels. */
+/* Gives the pixels of a picture. */
 struct rnd_pixels_source {
-    /* Fill count rows of interleaved floats from the first on; asked for in order, all of them, or
-     * again from the first. */
+    /* Fill count rows of interleaved floats from first on. All rows are asked for in order, perhaps more than
+     * once. */
     void (*rows)(struct rnd_pixels_source *source, int first, int count, float *out_pixels);
 };
 

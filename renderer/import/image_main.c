@@ -1,5 +1,5 @@
 /* fovead-image: decodes pictures for a program that does not trust them, and encodes its own; see
- * image_program.h. Nobody types its name. Descriptor 3 is the socket to that program. */
+ * image_program.h. The program starts it; descriptor 3 is the socket between them. */
 #include "import/image_io.h"
 #include "import/image_packet.h"
 #include "import/reader.h"
@@ -45,7 +45,7 @@ static bool send_rows(struct rnd_pixels_sink *sink, int first, int count, const 
     return true;
 }
 
-/* The bytes of a file that come in packets. It ends with the socket. The caller frees. */
+/* Receive the bytes of a file. Ends the process if the socket ends. The caller frees. */
 static void *receive_file(int socket, uint64_t count)
 {
     char *file = malloc(count + 1);
@@ -59,7 +59,7 @@ static void *receive_file(int socket, uint64_t count)
     return file;
 }
 
-/* What the libraries behind this say when there is no memory. */
+/* Does the error say, in the words of the libraries, that memory is short? */
 static bool is_short_of_memory(const char *error)
 {
     return strstr(error, "bad_alloc") || strstr(error, "not enough memory");
@@ -113,7 +113,7 @@ static void write_picture(int socket, const struct rnd_layout *layout, int fd)
     char error[RND_ERROR_SIZE / 2] = "";
     FILE *file = fdopen(fd, "w");
     if (!file) _exit(RND_READER_MEMORY);
-    signal(SIGXFSZ, SIG_IGN); /* a file that may not grow so far is an error as a full disk is */
+    signal(SIGXFSZ, SIG_IGN); /* a file beyond the limit of its size is an error, as a full disk is */
     answer(socket, rnd_pixels_write(file, layout, &receiver.source, error, sizeof error), error);
     _exit(0);
 }
@@ -144,10 +144,10 @@ static void serve(int socket)
 struct copies {
     int count;
     pid_t pid[MOST_COPIES];
-    int socket[MOST_COPIES]; /* of each, for a last word */
+    int socket[MOST_COPIES]; /* of each, for RND_IMAGE_STATUS */
 };
 
-static int child_fd; /* can be read when a copy has ended */
+static int child_fd; /* readable when a copy has ended */
 
 static void make_copy(struct copies *copies, int socket, const struct rnd_reader_limits *limits)
 {
@@ -169,14 +169,14 @@ static void make_copy(struct copies *copies, int socket, const struct rnd_reader
     copies->socket[copies->count++] = socket;
 }
 
-/* Tell of copies that have ended. */
+/* Send the status of copies that have ended. */
 static void bury(struct copies *copies)
 {
     int status;
     for (pid_t pid; (pid = waitpid(-1, &status, WNOHANG)) > 0;)
         for (int i = 0; i < copies->count; i++) {
             if (copies->pid[i] != pid) continue;
-            /* one who does not read must not keep all others waiting */
+            /* a program that does not read must not make the others wait */
             const struct timeval second = {.tv_sec = 1};
             setsockopt(copies->socket[i], SOL_SOCKET, SO_SNDTIMEO, &second, sizeof second);
             rnd_image_send(copies->socket[i], RND_IMAGE_STATUS, &status, sizeof status, -1);
@@ -187,8 +187,8 @@ static void bury(struct copies *copies)
         }
 }
 
-/* In any thread: some libraries have made some before main(), so that a call of this one's need not end for
- * it. */
+/* Any thread may receive the signal, since libraries have started threads before main(): so a waiting call of
+ * the main thread need not return. */
 static void on_child(int number)
 {
     const int error = errno;
@@ -213,7 +213,7 @@ int main(void)
         struct rnd_reader_limits limits;
         int socket;
         const ssize_t got = rnd_image_receive(CONTROL, &kind, &limits, sizeof limits, &socket);
-        if (got < 0) _exit(0); /* nobody is there any more: copies end with it */
+        if (got < 0) _exit(0); /* the program has ended; the copies end with this process */
         if (socket >= 0) make_copy(&copies, socket, &limits);
     }
 }

@@ -17,7 +17,7 @@ struct rnd_image_program {
     pthread_mutex_t lock; /* of all that follows */
     int users;
     pid_t pid;   /* 0: it does not run */
-    int control; /* -1 then */
+    int control; /* -1 if it does not run */
 };
 
 struct rnd_image_program *rnd_image_program_create(void)
@@ -38,8 +38,7 @@ struct rnd_image_program *rnd_image_program_share(struct rnd_image_program *prog
     return program;
 }
 
-/* Killed, because it may still be loading its libraries, which nobody wants any more. Its copies end with it.
- */
+/* Kill the program, which may still be loading its libraries. Its copies end with it. */
 static void end(struct rnd_image_program *program)
 {
     if (!program->pid) return;

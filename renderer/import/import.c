@@ -1,4 +1,4 @@
-/* From a file's meshes and where they are to the meshes of the scene, in the world, and instances. */
+/* Makes the meshes and instances of the scene from a file's meshes and their places. */
 #include "import/import.h"
 
 #include <float.h>
@@ -7,9 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Beyond this, m, the square of a triangle's area leaves float; and texture coordinates lose their texel. */
+/* Largest coordinate, m, and texture coordinate: beyond it floats cannot hold the square of a triangle's
+ * area, and tell no texels apart. */
 #define MAX_COORDINATE 1e9
-/* Within so many metres floats are fine enough for what people build. */
+/* Within so many metres of the origin floats are fine enough for buildings. */
 #define NEAR 64.0
 
 enum { MAX_INSTANCES = 10000000 };
@@ -54,7 +55,7 @@ int rnd_texture_add(struct rnd_scene *scene, const char *path, const void *memor
 
 /* --- shapes --- */
 
-/* Can there be so many? */
+/* Check that there are not too many. */
 static bool check_amount(struct rnd_import *in, uint64_t triangles, uint64_t vertices)
 {
     const uint64_t most = in->most < RND_MOST_TRIANGLES ? in->most : RND_MOST_TRIANGLES;
@@ -72,15 +73,15 @@ static bool count_mesh(struct rnd_import *in, const struct rnd_mesh *mesh)
     return check_amount(in, in->triangles, in->vertices);
 }
 
-/* The list with room for one element more: its room is doubled when its length is a power of two, or 0. NULL
- * if memory is short. */
+/* Return the list with room for one more element; its room doubles whenever its length is a power of two, or
+ * 0. NULL if memory is short. */
 static void *grow(void *list, uint32_t count, size_t size)
 {
     return count & (count - 1) ? list : realloc(list, (count ? 2 * (size_t)count : 1) * size);
 }
 
-/* Texture coordinates that have lost their texel become 0; colours are clamped to 0..1; tangents have a side.
- */
+/* Mend attributes: texture coordinates that tell no texel become 0, colours are clamped to 0..1, and tangents
+ * get a side. */
 static void clean_attributes(struct rnd_mesh *mesh)
 {
     const size_t n = mesh->vertices;
@@ -136,7 +137,7 @@ static void empty_bounds(struct rnd_import *in)
     }
 }
 
-/* The box of a shape's vertices, by its lowest and highest corner. */
+/* The lowest and highest corner of the box around a shape's vertices. */
 static void box_of(const struct rnd_mesh *mesh, float low[3], float high[3])
 {
     for (int k = 0; k < 3; k++) {
@@ -149,8 +150,8 @@ static void box_of(const struct rnd_mesh *mesh, float low[3], float high[3])
     }
 }
 
-/* Extend the bounds by a box that goes by a map. False if a corner is out of range: they are not extended by
- * that. */
+/* Extend the bounds by the corners of a mapped box. False if a corner is out of range, which is then left
+ * out. */
 static bool extend_by_box(struct rnd_import *in, const float low[3], const float high[3],
                           const struct rnd_affine *world)
 {
@@ -168,9 +169,9 @@ static bool extend_by_box(struct rnd_import *in, const float low[3], const float
     return good;
 }
 
-/* A scene that is far from its file's origin, as measured by its own size, gets an origin of its own in its
- * middle: rays would leak through walls where floats have steps of millimetres. In whole metres, so that
- * what floats hold of places is not rounded once more. */
+/* If a scene is far from its file's origin, relative to its size, move the origin into its middle: where
+ * floats have steps of millimetres, rays would leak through walls. The origin is in whole metres, so that
+ * positions are not rounded again. */
 static void choose_origin(struct rnd_import *in)
 {
     const double(*bounds)[3] = (const double(*)[3])in->scene->info.bounds;
@@ -180,17 +181,17 @@ static void choose_origin(struct rnd_import *in)
         away = fmax(away, 0.5 * fabs(bounds[0][k] + bounds[1][k]));
     }
     if (!(away > 16.0 * size || (away > size && away > NEAR)))
-        return; /* also if no mesh is placed: both are 0 then */
+        return; /* also if no mesh is placed, as both are 0 then */
     for (int k = 0; k < 3; k++) in->scene->origin[k] = rint(0.5 * (bounds[0][k] + bounds[1][k]));
 }
 
-/* From the file's coordinates to the scene's own. */
+/* Map a point from the file's coordinates to the scene's own. */
 static void to_own(const struct rnd_import *in, double p[3])
 {
     for (int k = 0; k < 3; k++) p[k] -= in->scene->origin[k];
 }
 
-/* A unit vector of that direction; zero if it has none. */
+/* Normalise a vector; one of length 0 stays 0. */
 static void put_unit(const double d[3], float out[3])
 {
     const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
@@ -207,12 +208,12 @@ static void move_vectors(const struct rnd_affine *map, float *vector, int stride
     }
 }
 
-/* Take the mesh by a map: its vertices, and the sides of its triangles and tangents. */
+/* Map a mesh: its vertices, normals and tangents, and the sides of its triangles. */
 static bool move_mesh(struct rnd_import *in, struct rnd_mesh *mesh, const char *name,
                       const struct rnd_affine *world)
 {
     float normals[9];
-    struct rnd_affine turn = rnd_affine_identity(); /* stays if the mesh is flattened to nothing, or nearly */
+    struct rnd_affine turn = rnd_affine_identity(); /* stays the identity if the mesh is flattened */
     if (rnd_affine_normals(world, normals))
         for (int k = 0; k < 9; k++) turn.m[k] = (double)normals[k];
     for (uint32_t i = 0; i < mesh->vertices; i++) {
@@ -231,7 +232,7 @@ static bool move_mesh(struct rnd_import *in, struct rnd_mesh *mesh, const char *
     if (mesh->normal) move_vectors(&turn, mesh->normal, 3, mesh->vertices);
     if (mesh->tangent) move_vectors(world, mesh->tangent, 4, mesh->vertices);
     if (!(rnd_affine_determinant(world) < 0.0)) return true;
-    /* A mirrored node turns the winding round; glTF 2.0 section 3.7.4 wants it turned back. */
+    /* A mirroring map reverses the winding, so reverse it back (glTF 2.0, section 3.7.4). */
     for (uint32_t t = 0; t < mesh->triangles; t++) {
         const uint32_t second = mesh->index[t][1];
         mesh->index[t][1] = mesh->index[t][2];
@@ -243,7 +244,7 @@ static bool move_mesh(struct rnd_import *in, struct rnd_mesh *mesh, const char *
 
 /* --- meshes of the scene --- */
 
-/* NULL for NULL; *ok becomes false if memory is short. */
+/* Copy bytes; NULL for NULL. *ok becomes false if memory is short. */
 static void *copy(const void *from, size_t bytes, bool *ok)
 {
     void *to = from ? malloc(bytes) : NULL;
@@ -267,7 +268,7 @@ static bool copy_mesh(const struct rnd_mesh *from, struct rnd_mesh *to)
     return ok;
 }
 
-/* The scene's next mesh: a shape's own arrays if nobody needs them after, else a copy. */
+/* Add a mesh to the scene: with the shape's own arrays at its last place, else with copies. */
 static struct rnd_mesh *add_mesh(struct rnd_import *in, struct rnd_shape *shape, bool whole)
 {
     struct rnd_scene *scene = in->scene;
@@ -296,12 +297,13 @@ fail:
 
 /* --- instances --- */
 
-/* Bytes, about: of a triangle in the world, attributes and tree; of what a mesh or an instance has besides,
- * Embree's part included. What is to be saved before rays are sent through a tree within the tree, which is
- * slower. */
+/* Approximate bytes: of a triangle in the world, with attributes and tree; of a mesh or an instance itself,
+ * with Embree's part. And how many must be saved before a mesh is instanced: rays are slower in a tree within
+ * a tree. */
 enum { TRIANGLE_BYTES = 150, OBJECT_BYTES = 1000, WORTH_BYTES = 150000 };
 
-/* Which meshes are stored once: those that save memory. What shines is a list of triangles in the world. */
+/* Choose which meshes are stored once and instanced: those that save memory. Emissive ones are not, since
+ * lights are triangles in the world. */
 static bool choose_shared(struct rnd_import *in)
 {
     uint64_t triangles = in->triangles, vertices = in->vertices;
@@ -318,7 +320,7 @@ static bool choose_shared(struct rnd_import *in)
     return check_amount(in, triangles, vertices);
 }
 
-/* Put a shape among the scene's meshes in its own coordinates. */
+/* Add a shape to the scene's meshes, in its own coordinates. */
 static bool store(struct rnd_import *in, struct rnd_shape *shape)
 {
     const struct rnd_affine identity = rnd_affine_identity();
@@ -351,7 +353,7 @@ static bool add_instance(struct rnd_import *in, struct rnd_shape *shape, const s
 
 /* --- places --- */
 
-/* Can an instance have that map? */
+/* Can floats hold this map of an instance? */
 static bool fits_floats(const struct rnd_affine *world, const float normals[9])
 {
     for (int k = 0; k < 12; k++)
@@ -387,7 +389,8 @@ void rnd_import_camera(struct rnd_import *in, const struct rnd_affine *world, co
     in->has_camera = in_range(p);
 }
 
-/* What is no intensity becomes 0, with a warning; what is no angle, all around. */
+/* Mend a light: an impossible intensity becomes 0, with a warning, and impossible angles become a full
+ * circle. */
 static void clean_light(struct rnd_import *in, struct rnd_punctual *light)
 {
     float *const intensity[3] = {&light->intensity.x, &light->intensity.y, &light->intensity.z},

@@ -1,4 +1,4 @@
-/* Loading a scene: the parts in order, and their end. */
+/* Loading a scene: the order of its parts, and freeing it. */
 #include "import/environment.h"
 #include "import/read_scene.h"
 #include "import/reader.h"
@@ -24,8 +24,8 @@ static double seconds(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* What can be done at the same time: reading textures is one thread's, all that needs triangles alone
- * another's, the environment map a third one's. */
+/* The three parts of loading that run at the same time, each in a thread: textures, all that needs only
+ * triangles, and the environment map. */
 struct building {
     struct rnd_scene *scene;
     const struct rnd_scene_options *options;
@@ -59,7 +59,7 @@ static void *run(void *argument)
     return NULL;
 }
 
-/* Begin a part in a thread of its own; if there is none to be had, all of it now. */
+/* Begin a part in a thread of its own; if no thread can be started, do all of it now. */
 static bool begin(struct building *b, pthread_t *out_thread)
 {
     if (pthread_create(out_thread, NULL, run, b) == 0) return true;
@@ -67,7 +67,8 @@ static bool begin(struct building *b, pthread_t *out_thread)
     return false;
 }
 
-/* Coverage is asked for by the tree, and emission by the lights; roughness by what is made of rough glass. */
+/* Mark the textures that are needed first: coverage for the trees, emission for the lights, roughness for the
+ * tables of rough glass. */
 static void mark_first_textures(struct rnd_scene *scene)
 {
     for (uint32_t i = 0; i < scene->material_count; i++) {
@@ -82,7 +83,7 @@ static void mark_first_textures(struct rnd_scene *scene)
     }
 }
 
-/* Of a glossiness map only the mean is taken: the texel of the coarsest mipmap. */
+/* Only the mean of a glossiness map is used: the texel of its coarsest mipmap. */
 static void take_glossiness(struct rnd_scene *scene)
 {
     for (uint32_t i = 0; i < scene->material_count; i++) {
@@ -92,7 +93,7 @@ static void take_glossiness(struct rnd_scene *scene)
         if (map < 0 || scene->texture[map].levels == 0) continue;
         const struct rnd_texture *t = &scene->texture[map];
         const float alpha = rnd_texture_texel(t, t->level[t->levels - 1].first).a,
-                    mean = fmaxf(0.0f, fminf(alpha, 1.0f)); /* 1 where it is no number */
+                    mean = fmaxf(0.0f, fminf(alpha, 1.0f)); /* 1 if alpha is not a number */
         m->roughness = 1.0f - (1.0f - m->roughness) * mean;
         rnd_scene_unsupported(scene, "glossiness maps (their mean is taken)");
     }
@@ -135,8 +136,8 @@ static void *read_textures(void *argument)
     return NULL;
 }
 
-/* As the material is without the maps that are not there yet: grey where its colour is unknown, and diffuse
- * where its metal is, which most of a textured surface is. */
+/* The material without the maps that are not read yet: grey if its colour is unknown; diffuse if its
+ * metalness is unknown, as most textured surfaces are. */
 static struct rnd_material without_textures(const struct rnd_scene *scene, struct rnd_material m)
 {
     for (int k = 0; k < RND_MAPS; k++) {
@@ -200,7 +201,7 @@ static void clear_glass(struct rnd_scene *scene)
     }
 }
 
-/* What a scene that is loaded has of the options. */
+/* Set what a scene has of the options. */
 static bool begin_scene(struct rnd_scene *scene, const struct rnd_scene_options *options)
 {
     scene->image_program =
@@ -220,7 +221,7 @@ struct rnd_scene *rnd_scene_load(const struct rnd_scene_options *options, char o
         free(scene);
         return NULL;
     }
-    /* It takes as long to start as many a scene takes to be read. */
+    /* Starting the program may take as long as reading the scene. */
     if (options->env_path && !rnd_image_program_start(scene->image_program, out_error)) goto fail;
     if (!rnd_scene_read(scene, options, out_error)) goto fail;
     if (scene->texture_count > 0 && !rnd_image_program_start(scene->image_program, out_error)) goto fail;
@@ -235,7 +236,7 @@ struct rnd_scene *rnd_scene_load(const struct rnd_scene_options *options, char o
     if (options->has_camera) memcpy(scene->info.camera, options->camera, sizeof options->camera);
     const double read = seconds();
     if (!build(scene, options, out_error)) goto fail;
-    scene->cancel = NULL; /* before the thread of late textures begins, which has a cancelled of its own */
+    scene->cancel = NULL; /* late textures have a flag of their own, scene->cancelled */
     if (options->textures_later && !read_later(scene, out_error)) goto fail;
 
     scene->info.meshes = scene->mesh_count;

@@ -1,4 +1,4 @@
-/* The lines of OBJ and MTL that assimp's materials do not tell of. */
+/* The lines of OBJ and MTL files that assimp's materials lack. */
 #include "import/mtl_file.h"
 #include "import/open_file.h"
 
@@ -9,7 +9,7 @@
 
 static const char blanks[] = " \t\r\n";
 
-/* The line's first word, and what is behind it, without blanks around. */
+/* Split a line into its first word and the rest, without blanks around them. */
 static char *split(char *line, char **out_rest)
 {
     char *word = line + strspn(line, blanks), *end = word + strcspn(word, blanks);
@@ -33,7 +33,7 @@ static bool add_material(struct rnd_mtl_file *file, const char *name)
     return m->name;
 }
 
-/* Read up to three numbers behind an option; the first two go to out. Returns what follows them. */
+/* Read up to three numbers after an option, the first two into out. Returns what follows them. */
 static char *numbers(char *at, float out[2])
 {
     for (int k = 0; k < 3; k++) {
@@ -60,7 +60,7 @@ static void take_options(struct rnd_mtl_material *m, enum rnd_mtl_map map, char 
         else if (length == 3 && strncasecmp(rest, "-bm", 3) == 0) {
             rest = numbers(value, multiplier);
             if (map == RND_MTL_NORMAL) m->bump = multiplier[0];
-        } else { /* an option that is left out: its numbers, or one word */
+        } else { /* an option that is ignored: skip its numbers, or one word */
             rest = numbers(value, multiplier);
             if (rest == value) rest += strspn(rest, blanks), rest += strcspn(rest, blanks);
         }
@@ -92,7 +92,7 @@ static bool read_library(struct rnd_mtl_file *file, const char *obj, const char 
     size_t room = 0;
     const bool found = rnd_find_file(directory, name, false, path);
     rnd_files_add(&scene->files, path);
-    if (!found) { /* assimp has gone on without it */
+    if (!found) { /* assimp has ignored that */
         rnd_warn(&scene->warnings, "%.200s: mtllib %.200s: %s; its materials are left out", obj, name,
                  rnd_why_not_found(path));
         return true;
@@ -172,7 +172,7 @@ static bool find_mentions(struct mentions *all, const char *path)
     return ok;
 }
 
-/* Each is read once, where it is named last: of materials with the same name the last one counts. */
+/* Keep the last mention of each library: of materials with the same name the last one counts. */
 static void keep_last(struct mentions *all)
 {
     size_t kept = 0;

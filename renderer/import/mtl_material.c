@@ -1,4 +1,4 @@
-/* Materials of Wavefront MTL, and of all other formats as far as assimp gives them the same keys. */
+/* Materials of MTL, and of other formats for which assimp uses the same keys. */
 #include "import/mtl_material.h"
 #include "import/find_file.h"
 #include "material/material.h"
@@ -17,8 +17,8 @@ struct reader {
     struct rnd_import *in;
     const struct aiScene *file;
     const struct aiMaterial *from;
-    const struct rnd_mtl_material *lines; /* of the library, or NULL */
-    const char *library;                  /* directory of that, "" or with a slash at its end */
+    const struct rnd_mtl_material *lines; /* the material in its library, or NULL */
+    const char *library;                  /* directory of the library, "" or with a slash at its end */
 };
 
 /* --- maps --- */
@@ -54,12 +54,12 @@ static bool read_map(struct reader *r, enum aiTextureType type, enum rnd_map_use
     map->wrap[0] = wrap_of(mode[0]);
     map->wrap[1] = wrap_of(mode[1]);
 
-    if (name.data[0] == '*') { /* embedded */
+    if (name.data[0] == '*') { /* an embedded image */
         const unsigned long i = strtoul(name.data + 1, NULL, 10);
         if (i >= r->file->mNumTextures || r->file->mTextures[i]->mHeight != 0)
             return go_without(r, name.data, "is no embedded image in a file's format");
         const struct aiTexture *texture = r->file->mTextures[i];
-        char label[300]; /* OpenImageIO goes by the ending */
+        char label[300]; /* OpenImageIO chooses its reader by the extension */
         snprintf(label, sizeof label, "%.200s: texture %lu.%s", r->in->path, i,
                  strcmp(texture->achFormatHint, "jpeg") == 0 ? "jpg" : texture->achFormatHint);
         map->texture =
@@ -94,7 +94,7 @@ static float read_float(struct reader *r, const char *key, float otherwise)
 #define KEY(macro)             KEY_(macro)
 #define KEY_(key, type, index) key
 
-/* False and a line if a number is not within its range, or not one. */
+/* False and a line if a value is out of range, or NaN. */
 static bool check(struct reader *r, const char *key, float value, float low, float high)
 {
     struct aiString name = {0};
@@ -110,7 +110,7 @@ static bool check_colour(struct reader *r, const char *key, vec3s value, float h
            check(r, key, value.z, 0.0f, high);
 }
 
-/* A filter of light that crosses two surfaces on its way through, as that of each. */
+/* The filter of each of two surfaces that together filter light that passes through. */
 static vec3s each_side(vec3s through)
 {
     return (vec3s){{sqrtf(through.x), sqrtf(through.y), sqrtf(through.z)}};
@@ -141,11 +141,11 @@ static void read_pbr(const struct rnd_mtl_material *lines, struct rnd_material *
     to->specular = 1.0f;
 }
 
-/* What is neither mirror nor glass, with a coat or without. */
-static bool read_matt(struct reader *r, bool coat, vec3s ks, float ns, struct rnd_material *to)
+/* Read a material that is neither mirror nor glass, with or without a glossy coat. */
+static bool read_opaque(struct reader *r, bool coat, vec3s ks, float ns, struct rnd_material *to)
 {
     if (!read_map(r, aiTextureType_DIFFUSE, RND_MAP_BASE, RND_PIXELS_COLOUR, to)) return false;
-    /* assimp makes up 0.6 where there is no Kd */
+    /* assimp assumes 0.6 if there is no Kd */
     if (r->lines && !r->lines->has_kd && to->map[RND_MAP_BASE].texture >= 0) to->base = glms_vec3_one();
     if (r->lines && (r->lines->pr >= 0.0f || r->lines->pm >= 0.0f)) return read_pbr(r->lines, to), true;
     if (!coat) return true;
@@ -201,10 +201,10 @@ bool rnd_mtl_material(struct rnd_import *in, const struct aiScene *file, const s
         to->base = glms_vec3_minv(ks, glms_vec3_one());
         to->metallic = to->specular = 1.0f;
         to->roughness = 0.0f;
-    } else if (!read_matt(&r, illum == 2 && shiny && ns > 1.0f, ks, ns, to)) {
+    } else if (!read_opaque(&r, illum == 2 && shiny && ns > 1.0f, ks, ns, to)) {
         return false;
     }
-    if (!glass) { /* whose d is the glass once more */
+    if (!glass) { /* the d of glass says again that it is glass */
         if (!read_map(&r, aiTextureType_OPACITY, RND_MAP_COVERAGE, RND_PIXELS_DATA, to)) return false;
         to->alpha = d;
         if (d < 1.0f || to->map[RND_MAP_COVERAGE].texture >= 0) to->alpha_mode = RND_BLEND;

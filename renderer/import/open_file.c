@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* What a file is that is not regular; NULL if it is. */
+/* What kind of file it is, as text; NULL if it is regular. */
 static const char *other_kind(mode_t mode)
 {
     if (S_ISREG(mode)) return NULL;
@@ -21,12 +21,12 @@ FILE *rnd_open_file(const char *path, const char **out_why)
 {
     struct stat status;
     FILE *file = NULL;
-    /* What is no regular file is not even opened: that can have effects of its own. */
+    /* Do not even open a file that is not regular: opening one can have effects. */
     if (stat(path, &status) != 0) return *out_why = strerrordesc_np(errno), NULL;
     if ((*out_why = other_kind(status.st_mode))) return NULL;
     const int fd = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
     if (fd < 0) return *out_why = strerrordesc_np(errno), NULL;
-    /* It may be another one by now. */
+    /* The path may name another file by now. */
     if (fstat(fd, &status) != 0)
         *out_why = strerrordesc_np(errno);
     else if (!(*out_why = other_kind(status.st_mode)) && !(file = fdopen(fd, "rb")))

@@ -1,4 +1,4 @@
-/* Opening what a scene names, whatever that is: never waits, and takes regular files alone. */
+/* Opening files that a scene names: it never waits, and takes only regular files. */
 #ifndef FOVEAD_RENDERER_OPEN_FILE_H
 #define FOVEAD_RENDERER_OPEN_FILE_H
 
@@ -9,10 +9,11 @@
 extern "C" {
 #endif
 
-/* Open a file to read its bytes. NULL, and *out_why is a static text, if it is not there, cannot be read, or
- * is no regular file: a pipe would make the reader wait, and a device may have no end. The caller closes. */
+/* Open a file to read its bytes; the caller closes it. NULL, with a static text in *out_why, if it is not
+ * there, cannot be read, or is not a regular file: a pipe would make the reader wait, and a device may have
+ * no end. */
 FILE *rnd_open_file(const char *path, const char **out_why);
-/* Why it cannot be opened: a static text, or NULL if it can. */
+/* Why a file cannot be opened: a static text; NULL if it can. */
 const char *rnd_why_closed(const char *path);
 
 #ifdef __cplusplus

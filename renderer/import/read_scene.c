@@ -1,4 +1,5 @@
-/* A scene's file, read by fovead-reader: waiting for that program, and what it hands over. */
+/* Reading a scene file by fovead-reader: starting that program, waiting for it, and taking over what it has
+ * read. */
 #include "import/read_scene.h"
 #include "import/flat_take.h"
 #include "import/reader.h"
@@ -18,8 +19,8 @@ static bool is_cancelled(const struct rnd_scene_options *options)
     return options->cancel && atomic_load(options->cancel);
 }
 
-/* Wait for a reader to end, which closes its end of alive. A reader keeps its own limits; one that does not
- * is killed here. */
+/* Wait for a reader to end, when it closes its end of alive. A reader keeps to its limits itself; one that
+ * does not is killed here. */
 static int wait_for(pid_t pid, int alive, const struct rnd_scene_options *options,
                     const struct rnd_reader_limits *limits)
 {
@@ -28,7 +29,8 @@ static int wait_for(pid_t pid, int alive, const struct rnd_scene_options *option
     const double last = rnd_reader_now() + 2.0 * limits->seconds * RND_READER_PATIENCE;
     int status = 0;
     while (poll(&end, 1, LOOK_MS) <= 0 && !is_cancelled(options) && rnd_reader_now() <= last) continue;
-    kill(pid, SIGKILL); /* the status of one that is ending stays: its descriptors close once that is set */
+    kill(pid, SIGKILL); /* if the reader is just ending, this does not change its status, which is set
+                           before its descriptors close */
     while (waitpid(pid, &status, 0) < 0 && errno == EINTR) continue;
     return status;
 }
@@ -42,7 +44,7 @@ static void take_line(int memory, const char *path, char out_error[RND_ERROR_SIZ
     rnd_make_printable(out_error);
 }
 
-/* Take over what is in memory, once nobody can change it any more. */
+/* Take over the scene in memory, once that is sealed against changes. */
 static bool take_over(struct rnd_scene *scene, int memory, const char *path, char out_error[RND_ERROR_SIZE])
 {
     const int seals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE | F_SEAL_SEAL;

@@ -1,4 +1,4 @@
-/* Starting the programs that read files, and how they ended. */
+/* Starting the programs that read files, and telling how they ended. */
 #include "import/reader.h"
 
 #include <errno.h>
@@ -13,7 +13,7 @@
 
 enum { MOST_FDS = 4, FIRST_FD = 3, ABOVE_ALL = 16 };
 
-/* The environment but for the token, which no reader needs. The caller frees the list. */
+/* The environment without the token, which no reader needs. The caller frees the list. */
 static char **environment_of_reader(void)
 {
     static const char secret[] = "FOVEAD_TOKEN=";
@@ -26,8 +26,8 @@ static char **environment_of_reader(void)
     return list;
 }
 
-/* Libraries print what they think of a hostile file, and sanitizers report what crashes libraries: how the
- * reader ended is told by this program. */
+/* Silence a reader: libraries print messages about hostile files, and sanitizers report crashes. This program
+ * tells how the reader ended. */
 static void silence(posix_spawn_file_actions_t *actions)
 {
     posix_spawn_file_actions_addopen(actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
@@ -76,7 +76,7 @@ pid_t rnd_reader_start(const char *name, char *const arguments[], const int *fd,
     const ssize_t length = readlink("/proc/self/exe", path, sizeof path - 64);
     char *slash = length > 0 ? strrchr(path, '/') : NULL;
     strcpy(slash ? slash + 1 : path, name);
-    for (int i = 0; i < count; i++) /* so that none is overwritten by another */
+    for (int i = 0; i < count; i++) /* so that no descriptor overwrites another */
         if ((high[i] = fcntl(fd[i], F_DUPFD_CLOEXEC, ABOVE_ALL)) < 0) code = errno;
     if (!code) code = spawn(&pid, path, arguments, high, count);
     for (int i = 0; i < count; i++)

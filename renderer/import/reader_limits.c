@@ -1,4 +1,4 @@
-/* The limits of programs that read files; in both. */
+/* The limits of programs that read files, for those programs and for the one that starts them. */
 #include "import/reader.h"
 
 #include <signal.h>
@@ -59,7 +59,7 @@ void rnd_reader_begin(pid_t parent, uint32_t mib)
 {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(RND_READER_REFUSES);
-    signal(SIGSEGV, SIG_DFL); /* a crash ends the reader as one, also where a sanitizer would report it */
+    signal(SIGSEGV, SIG_DFL); /* a crash ends the reader by its signal, even if a sanitizer would report it */
     signal(SIGBUS, SIG_DFL);
     signal(SIGFPE, SIG_DFL);
     signal(SIGILL, SIG_DFL);
@@ -67,7 +67,8 @@ void rnd_reader_begin(pid_t parent, uint32_t mib)
     rnd_set_new_handler(end);
     if (mib == 0) return;
     limit(RLIMIT_FSIZE, (rlim_t)mib << 20);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) /* they take terabytes of addresses */
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) /* sanitizers take terabytes of
+                                                                       addresses */
     limit(RLIMIT_DATA, (rlim_t)mib << 20);
 #endif
 }

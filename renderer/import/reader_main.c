@@ -25,5 +25,5 @@ int main(int count, char **argument)
     const bool short_of_memory = strstr(error, "not enough memory") || strstr(error, "bad_alloc");
     if (ok ? !rnd_flat_put(&scene, SCENE) : short_of_memory) _exit(RND_READER_MEMORY);
     if (!ok && write(SCENE, error, strlen(error)) < 0) _exit(RND_READER_MEMORY);
-    _exit(ok ? 0 : RND_READER_REFUSES); /* it is faster not to free anything */
+    _exit(ok ? 0 : RND_READER_REFUSES); /* without freeing memory, which is faster */
 }

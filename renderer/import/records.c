@@ -1,4 +1,4 @@
-/* Records of triangles: made once, after import, from the meshes' own arrays. */
+/* The records of triangles, made after import from the arrays of the meshes. */
 #include "import/records.h"
 #include "math/large_pages.h"
 
@@ -19,7 +19,7 @@ static uint32_t colour(const float *rgba)
     return code;
 }
 
-/* Texture coordinates: how dense they are, and which way they run over the triangle. */
+/* Texture coordinates, their density, and their tangent on the triangle. */
 static void make_uv(struct rnd_record *record, const float *uv, const uint32_t index[3], struct rnd_v3 e1,
                     struct rnd_v3 e2, struct rnd_v3 normal)
 {
@@ -36,7 +36,7 @@ static void make_uv(struct rnd_record *record, const float *uv, const uint32_t i
     for (int k = 0; k < 3; k++) record->tangent[k] = (rnd_octahedral(along) & ~1u) | (area < 0.0f);
 }
 
-/* The file's own, whose w is the side of the bitangent: up the picture, against v. */
+/* Take the file's tangents, whose w is the side of the bitangent: up in the picture, against v. */
 static void take_tangents(struct rnd_record *record, const float *tangent, const uint32_t index[3])
 {
     for (int k = 0; k < 3; k++) {
@@ -51,7 +51,8 @@ static void make(const struct rnd_mesh *mesh, uint32_t triangle, struct rnd_reco
     const struct rnd_v3 a = corner(mesh->position, index[0]);
     const struct rnd_v3 e1 = rnd_v3_sub(corner(mesh->position, index[1]), a),
                         e2 = rnd_v3_sub(corner(mesh->position, index[2]), a), normal = rnd_v3_cross(e1, e2);
-    *record = (struct rnd_record){.lod = -64.0f}; /* no texture coordinates: the coarsest level is right */
+    *record = (struct rnd_record){.lod = -64.0f}; /* without texture coordinates the coarsest level is
+                                                     right */
     for (int k = 0; k < 3; k++) {
         record->normal[k] = rnd_octahedral(mesh->normal ? corner(mesh->normal, index[k]) : normal);
         record->colour[k] = mesh->colour ? colour(mesh->colour + 4 * (size_t)index[k]) : UINT32_MAX;

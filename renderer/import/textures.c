@@ -1,4 +1,4 @@
-/* Textures: asked for at import, read by several threads, kept with their mipmaps under a cap of memory. */
+/* Textures: added at import, read by several threads, and kept with mipmaps within a limit of memory. */
 #include "import/textures.h"
 #include "import/pictures.h"
 #include "math/large_pages.h"
@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Of all textures with their mipmaps; what is over it loses its finest levels. */
+/* Most bytes of all textures with their mipmaps; beyond it they lose their finest levels. */
 static const uint64_t CAP_BYTES = (uint64_t)2 << 30;
 
 /* --- mipmaps --- */
@@ -47,8 +47,9 @@ static void mean_floats(const float *const from[4], float to[4])
     for (int c = 0; c < 4; c++) to[c] = 0.25f * (from[0][c] + from[1][c] + from[2][c] + from[3][c]);
 }
 
-/* A level of width x height RGBA from the one above it, each texel the mean of four; an odd last row or
- * column is left out. from has from_width texels a row; right: more than one; down: more than one row. */
+/* Make a level of width x height RGBA from the finer one: each texel is the mean of four; an odd last row or
+ * column is left out. from has from_width texels per row. right: there is more than one column; down: more
+ * than one row. */
 static void halve(const struct rnd_texture *texture, const void *from, int from_width, bool down, void *to,
                   int width, int height)
 {
@@ -106,8 +107,8 @@ static uint64_t bytes_without(int width, int height, bool bytes, int skip)
     return lay_out(&texture, width, height) * (bytes ? 4 : 4 * sizeof(float));
 }
 
-/* Decide what textures that have been measured do without: the largest first, since what the film cannot show
- * is to be lost before what it can. */
+/* Decide how many finest levels each measured texture loses, the largest first: the film can hardly show
+ * their finest levels. */
 static void plan(struct rnd_scene *scene)
 {
     for (;;) {
@@ -137,7 +138,7 @@ void rnd_textures_sum(struct rnd_scene *scene)
 
 /* --- reading --- */
 
-/* Note why it cannot be read. */
+/* Note why a texture cannot be read. Returns false. */
 static bool fail(struct rnd_texture *texture, const char *why)
 {
     char text[RND_ERROR_SIZE];
@@ -156,9 +157,9 @@ struct filling {
     /* For a texture without its finest levels: [0] holds the rows that make one row of the texture, RGBA; [1]
      * is room for halving them. */
     uint8_t *band[2];
-    bool changed;   /* it is another file than the one that was measured */
-    int rows, have; /* of a band: in all, so far */
-    int next;       /* row of the texture */
+    bool changed;   /* the file has changed since it was measured */
+    int rows, have; /* rows of a band: in all, and so far */
+    int next;       /* the next row of the texture */
 };
 
 static bool begin(struct rnd_pixels_sink *sink, const struct rnd_picture *picture)
@@ -172,7 +173,7 @@ static bool begin(struct rnd_pixels_sink *sink, const struct rnd_picture *pictur
                        (texture->measured.width != width || texture->measured.height != height ||
                         texture->measured.bytes != picture->bytes);
     if (filling->changed) return false;
-    if (texture->measured.width == 0) /* it is the only one */
+    if (texture->measured.width == 0) /* nothing was measured: there is only one */
         while (bytes_without(width, height, picture->bytes, texture->skip) > CAP_BYTES) texture->skip++;
     filling->rows = 1;
     for (int k = 0; k < texture->skip; k++) {
@@ -278,7 +279,7 @@ bool rnd_texture_load(struct rnd_texture *texture, struct rnd_image_reader *read
     return fail(texture, filling.changed ? "it is another file by now" : text);
 }
 
-/* Ask how large it is. */
+/* Ask how large a picture is. */
 static void measure(struct rnd_texture *texture, struct rnd_image_reader *reader)
 {
     char text[RND_ERROR_SIZE / 2];
@@ -297,8 +298,8 @@ static void measure(struct rnd_texture *texture, struct rnd_image_reader *reader
 
 struct loading {
     struct rnd_scene *scene;
-    bool first;   /* only those that are marked so */
-    bool measure; /* nothing is read yet */
+    bool first;   /* only textures that are marked as first */
+    bool measure; /* only measure, and read nothing */
     _Atomic uint32_t next;
 };
 

@@ -8,8 +8,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Trees of up to so many triangles have those split that lie across others: rays are faster, and the tree
- * takes longer, which for more would keep the first picture waiting. */
+/* In trees of up to so many triangles, long triangles are split: rays are faster, but building takes longer,
+ * which would delay the first picture of larger scenes. */
 enum { SPLIT_TRIANGLES = 1 << 20 };
 
 static void attach_mesh(const struct rnd_scene *scene, uint32_t i, RTCScene tree, uint32_t id)
@@ -41,15 +41,15 @@ static bool is_wanted(const struct rnd_scene *scene)
     return !scene->cancel || !atomic_load(scene->cancel);
 }
 
-/* Embree asks this while it builds a tree. */
+/* Embree calls this while it builds a tree, to ask whether to go on. */
 static bool goes_on(void *argument, double share)
 {
     (void)share;
     return is_wanted(argument);
 }
 
-/* Embree asks this before it takes memory, from any of its threads, and tells here what it gives back. A file
- * can name the same triangles so often that their trees are larger than all that was read. */
+/* Embree calls this from any of its threads before it takes memory, and after it has freed some. A file can
+ * use the same triangles so often that their trees are larger than all that was read. */
 static bool may_take(void *argument, ssize_t bytes, bool taken)
 {
     struct rnd_scene *scene = argument;
@@ -68,7 +68,7 @@ static RTCScene new_tree(const struct rnd_scene *scene, enum RTCSceneFlags flags
     return tree;
 }
 
-/* The tree of some meshes alone, with the ids of the whole tree. NULL if there are none. */
+/* Make a tree of some of the meshes, with the ids of the whole tree. NULL if there are none. */
 static RTCScene part_of(const struct rnd_scene *scene, RTCScene *part, enum RTCSceneFlags flags,
                         bool (*has)(const struct rnd_scene *, uint32_t))
 {
@@ -99,7 +99,7 @@ bool rnd_accel_build(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE])
         return false;
     }
     rtcSetDeviceMemoryMonitorFunction(scene->device, may_take, scene);
-    RTCScene *part = calloc(scene->mesh_count + 1, sizeof *part); /* trees of meshes that have their own */
+    RTCScene *part = calloc(scene->mesh_count + 1, sizeof *part); /* trees of the instanced meshes */
     if (!part || !rnd_alpha_build(scene)) {
         snprintf(out_error, RND_ERROR_SIZE, "not enough memory");
         free(part);
@@ -119,7 +119,7 @@ bool rnd_accel_build(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE])
         attach_mesh(scene, i, part[i], 0);
         rtcCommitScene(part[i]);
     }
-    if (is_wanted(scene)) { /* else some of the parts are not there, or not whole */
+    if (is_wanted(scene)) { /* else some of the trees are missing or not whole */
         for (uint32_t i = 0; i < scene->instance_count; i++)
             attach_instance(scene, i, part[scene->instance[i].mesh], scene->tree);
         scene->clear_tree = part_of(scene, part, RTC_SCENE_FLAG_NONE, rnd_is_clear);
@@ -127,7 +127,7 @@ bool rnd_accel_build(struct rnd_scene *scene, char out_error[RND_ERROR_SIZE])
         rtcCommitScene(scene->tree);
     }
     for (uint32_t i = 0; i < scene->mesh_count; i++)
-        if (part[i]) rtcReleaseScene(part[i]); /* its instances hold it */
+        if (part[i]) rtcReleaseScene(part[i]); /* the instances hold references */
     free(part);
     const enum RTCError code = rtcGetDeviceError(scene->device);
     if (code == RTC_ERROR_NONE && is_wanted(scene)) return true;
