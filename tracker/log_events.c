@@ -155,37 +155,17 @@ static void dissolve_jitter(struct scan *scan)
     }
 }
 
-/* Between the samples nearest to i that are at least half a span before and after it: stamps may jitter. */
-static float speed_at(const struct scan *scan, size_t i)
+/* The mean of a fixation; else the gaze at the end of the event: of a saccade, of the samples after it. */
+static void find_direction(const struct scan *scan, struct trk_event *event)
 {
-    static const uint64_t half_ns = 4000000;
-    size_t a = i, b = i;
-    while (a > 0 && time_of(scan, i) - time_of(scan, a) < half_ns) a--;
-    while (b + 1 < scan->count && time_of(scan, b) - time_of(scan, i) < half_ns) b++;
-    uint64_t dt_ns = time_of(scan, b) - time_of(scan, a);
-    if (dt_ns < half_ns || dt_ns >= TRK_BRIDGED_NS || !seen(scan, a) || !seen(scan, b)) return 0;
-    return trk_angle_deg(scan->world[a], scan->world[b]) / (float)((double)dt_ns * 1e-9);
-}
-
-static void measure(const struct scan *scan, struct trk_event *event)
-{
-    float from[3], to[3];
-    vec3 sum = {0};
     const bool jump = event->type == TRK_SACCADE;
-    for (size_t i = event->first; i <= event->last; i++) glm_vec3_add(sum, scan->world[i], sum);
-    /* A saccade goes from the samples before it to those after it; any other event stays within its own
-     * samples. */
-    bool known =
-        mean_from(scan, jump && event->first ? event->first - 1 : event->first, jump ? -1 : 1, from) &&
-        mean_from(scan, jump ? event->last + 1 : event->last, jump ? 1 : -1, to);
-    if (known) {
-        event->amplitude_deg = trk_angle_deg(from, to);
-        memcpy(event->direction, to, sizeof to);
+    vec3 sum = {0};
+    if (event->type != TRK_FIXATION) {
+        mean_from(scan, jump ? event->last + 1 : event->last, jump ? 1 : -1, event->direction);
+        return;
     }
-    if (event->type == TRK_FIXATION && glm_vec3_norm(sum) > 0) glm_vec3_normalize_to(sum, event->direction);
-    if (event->type == TRK_BLINK || event->type == TRK_LOST) return;
-    for (size_t i = event->first; i <= event->last; i++)
-        event->peak_deg_s = fmaxf(event->peak_deg_s, speed_at(scan, i));
+    for (size_t i = event->first; i <= event->last; i++) glm_vec3_add(sum, scan->world[i], sum);
+    glm_vec3_normalize_to(sum, event->direction);
 }
 
 /* Returns how many events there are; out may be NULL. A silence of the tracker between two samples is a loss
@@ -203,7 +183,7 @@ static size_t list(const struct scan *scan, struct trk_event *out)
                                   .first = i,
                                   .last = last};
         if (event.type != TRK_FIXATION || event.end_ns - event.start_ns >= TRK_LEAST_FIXATION_NS) {
-            if (out) measure(scan, &event), out[count] = event;
+            if (out) find_direction(scan, &event), out[count] = event;
             count++;
         }
         if (silence && out)

@@ -311,9 +311,7 @@ struct trk_event {
     enum trk_state type;       /* TRK_FIXATION to TRK_LOST */
     uint64_t start_ns, end_ns; /* device time of its first and last sample */
     size_t first, last;        /* indices of those samples in the log */
-    float direction[3];  /* world, unit: the mean of a fixation, else the gaze at the end of the event */
-    float amplitude_deg; /* from start to end */
-    float peak_deg_s;    /* highest speed of gaze in the world; 0 for blink and loss */
+    float direction[3]; /* world, unit: the mean of a fixation, else the gaze at the end of the event */
 };
 
 struct trk_events {

@@ -33,30 +33,32 @@ struct feature {
 
 /* --- features --- */
 
-#define MATT(MORE)                                                                                           \
+#define NON_METAL(MORE)                                                                                      \
     "{'pbrMetallicRoughness':{'metallicFactor':0" MORE                                                       \
     "},'extensions':{'KHR_materials_specular':{'specularFactor':0}}"
 #define GREY                 ",'baseColorFactor':[0.7,0.7,0.7,1]"
 #define PAINTED              ",'baseColorTexture':{'index':0}"
-#define DIFFUSE              MATT(GREY) "}"
+#define DIFFUSE              NON_METAL(GREY) "}"
 #define GLOSSY               "{'pbrMetallicRoughness':{'metallicFactor':0.2,'roughnessFactor':0.5" GREY "}"
 #define EXTENDED(EXTENSIONS) GLOSSY ",'extensions':{" EXTENSIONS "}}"
-#define GLOWING              MATT(GREY) ",'emissiveFactor':[8,8,8]}"
+#define GLOWING              NON_METAL(GREY) ",'emissiveFactor':[8,8,8]}"
 #define MATERIAL(PLAIN, LOOK)                                                                                \
     .room = {.plain = PLAIN, .look = {.material = LOOK}, .parts = ROOM_ALL}, .unused = true, .hidden = true
 #define WHOLE(...) .room = {.plain = DIFFUSE, __VA_ARGS__}
 
 static const struct feature feature[] = {
     {"nothing, loaded twice", "diffuse", WHOLE(.instances = false)},
-    {"base colour texture", "diffuse", MATERIAL(DIFFUSE, MATT(PAINTED) "}")},
+    {"base colour texture", "diffuse", MATERIAL(DIFFUSE, NON_METAL(PAINTED) "}")},
     {"texture transform", "base colour texture",
-     MATERIAL(MATT(PAINTED) "}", MATT(",'baseColorTexture':{'index':0,'extensions':{'KHR_texture_transform':"
-                                      "{'rotation':0.5,'scale':[1.1,0.9]}}}") "}")},
+     MATERIAL(NON_METAL(PAINTED) "}",
+              NON_METAL(",'baseColorTexture':{'index':0,'extensions':{'KHR_texture_transform':"
+                        "{'rotation':0.5,'scale':[1.1,0.9]}}}") "}")},
     {"vertex colours", "diffuse", .room = {.plain = DIFFUSE, .look = {DIFFUSE, true}, .parts = ROOM_ALL},
      .unused = true, .hidden = true},
-    {"alpha mask", "base colour texture", MATERIAL(MATT(PAINTED) "}", MATT(PAINTED) ",'alphaMode':'MASK'}")},
+    {"alpha mask", "base colour texture",
+     MATERIAL(NON_METAL(PAINTED) "}", NON_METAL(PAINTED) ",'alphaMode':'MASK'}")},
     {"alpha blend", "diffuse",
-     MATERIAL(DIFFUSE, MATT(",'baseColorFactor':[0.7,0.7,0.7,0.5]") ",'alphaMode':'BLEND'}")},
+     MATERIAL(DIFFUSE, NON_METAL(",'baseColorFactor':[0.7,0.7,0.7,0.5]") ",'alphaMode':'BLEND'}")},
     {"unlit", "diffuse", MATERIAL(DIFFUSE, "{'extensions':{'KHR_materials_unlit':{}}}")},
     {"metal and roughness", "diffuse", MATERIAL(DIFFUSE, GLOSSY "}")},
     {"metal-rough map", "metal and roughness",

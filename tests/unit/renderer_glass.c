@@ -83,7 +83,7 @@ static void metals(void **state)
     }
 }
 
-/* A matt floor of .5, panes above it (and below), glass of 1.5 with that colour. */
+/* A diffuse floor of .5, panes above it (and below), glass of 1.5 with that colour. */
 static struct rnd_scene *under_panes(const char *nodes, const char *colour, const char *env, const float *sun)
 {
     static const struct files_part part[] = {FILES_SQUARE};
