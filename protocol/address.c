@@ -1,4 +1,4 @@
-/* address.c: where a daemon listens, as text and back. */
+/* address.c: addresses that daemons listen on, from text and to text. */
 #include "internal.h"
 
 #include <arpa/inet.h>
@@ -74,8 +74,8 @@ static bool is_own_folder(const char *folder, char out_error[PRO_ERROR_SIZE])
         folder, (unsigned)geteuid());
 }
 
-/* By the XDG Base Directory Specification, in which a relative path counts as none; else a folder of our own
- * where everybody may make one. */
+/* The default address: in $XDG_RUNTIME_DIR, unless that is relative (XDG Base Directory Specification), else
+ * in a folder of our own in /tmp. */
 static bool parse_default(struct pro_address *out_address, char out_error[PRO_ERROR_SIZE])
 {
     const char *runtime = getenv("XDG_RUNTIME_DIR");
@@ -85,7 +85,7 @@ static bool parse_default(struct pro_address *out_address, char out_error[PRO_ER
                              : snprintf(folder, sizeof folder, "/tmp/fovead-%u", (unsigned)geteuid());
     if (length >= (int)sizeof folder)
         return pro_fail(out_error, "XDG_RUNTIME_DIR is too long a path for a socket");
-    /* lstat() would go through a symbolic link that has a slash behind it. */
+    /* lstat() would follow a symbolic link with a slash after it. */
     while (length > 1 && folder[length - 1] == '/') folder[--length] = '\0';
     snprintf(path, sizeof path, "%s/fovead.sock", folder);
     if (!parse_path(path, out_address, out_error)) return false;

@@ -17,7 +17,7 @@
 static const uint64_t ping_every_ns = 1000000000;
 static const int send_patience_ms = 10000;
 
-/* Acknowledgements wait for no more than this many tiles that have come in one burst. */
+/* Most tiles of a burst that are left unacknowledged. */
 enum { BURST = 4 };
 
 struct pro_client {
@@ -28,10 +28,10 @@ struct pro_client {
 
     uint8_t *out; /* bytes that the socket has not taken yet */
     size_t out_count, out_sent;
-    bool deaf; /* the daemon takes no more bytes; what it has said is still read */
+    bool deaf; /* the daemon takes no more bytes; what it has sent is still read */
 
     Fovea__Message *welcome;
-    Fovea__Encoding encoding; /* as asked for */
+    Fovea__Encoding encoding; /* of tiles, as asked for */
     struct pro_picture *picture;
     float *tile; /* one tile's pixels */
 
@@ -46,7 +46,7 @@ struct pro_client {
 
 /* --- sending --- */
 
-/* Give the socket what it takes now. */
+/* Send as much as the socket takes now. */
 static void flush(struct pro_client *client)
 {
     while (client->out && !client->deaf) {
@@ -65,7 +65,7 @@ static void flush(struct pro_client *client)
     }
 }
 
-/* Only while nothing else waits. */
+/* Begin to send a message; only if nothing else waits. */
 static bool start(struct pro_client *client, const Fovea__Message *message)
 {
     client->out = pro_pack(message, 0, &client->out_count);
@@ -85,8 +85,8 @@ static void acknowledge(struct pro_client *client)
     if (client->unacknowledged > 0 && !client->out && start(client, &message)) client->unacknowledged = 0;
 }
 
-/* When the next Ping can go: one at a time, so that a Pong's round trip is known, and not while other bytes
- * wait, whose going wakes pro_receive() anyway. */
+/* When the next Ping may be sent. Only one is under way at a time, so that a Pong's round trip is known; and
+ * none while other bytes wait, which wake pro_receive() when they are sent. */
 static uint64_t next_ping_ns(const struct pro_client *client)
 {
     if (client->ping_under_way || client->out || !client->welcome) return PRO_NEVER;
@@ -135,8 +135,8 @@ void pro_estimate_add(struct pro_estimate *estimate, uint64_t sent_ns, uint64_t 
                       uint64_t received_ns)
 {
     uint64_t round_trip_ns = received_ns - sent_ns;
-    /* 200 parts per million, twice what one poor crystal is off: the age at which another round trip that is
-     * longer by so much tells as much. */
+    /* An estimate loses 200 parts per million of its age, twice the error of a poor crystal: a longer round
+     * trip replaces it then. */
     uint64_t allowance_ns = (received_ns - estimate->measured_ns) / 5000;
     if (estimate->known && round_trip_ns > estimate->round_trip_ns + allowance_ns) return;
     *estimate = (struct pro_estimate){true, round_trip_ns,
@@ -203,7 +203,7 @@ static bool take_gaze(struct pro_client *client, const Fovea__Gaze *gaze, char o
            pro_fail(out_error, "%s sent a gaze of no direction", client->name);
 }
 
-/* Where the camera is, if the daemon says. */
+/* Check the position of the camera, if there is one. */
 static bool check_camera(const struct pro_client *client, const float *camera, size_t count,
                          char out_error[PRO_ERROR_SIZE])
 {
@@ -211,7 +211,8 @@ static bool check_camera(const struct pro_client *client, const float *camera, s
            pro_fail(out_error, "%s sent a camera that is nowhere", client->name);
 }
 
-/* What this side makes of a message. Only Welcome, or Done instead of it, comes first, and only once. */
+/* Check and take a message. The first one must be Welcome, or Done in its place; a second Welcome is refused.
+ */
 static bool take(struct pro_client *client, const Fovea__Message *message, char out_error[PRO_ERROR_SIZE])
 {
     bool welcomed = client->welcome != NULL;
@@ -251,7 +252,7 @@ static bool take(struct pro_client *client, const Fovea__Message *message, char 
                     (int)message->body_case);
 }
 
-/* Read once. */
+/* Read from the socket once. */
 static bool fill(struct pro_client *client, char out_error[PRO_ERROR_SIZE])
 {
     uint8_t bytes[PRO_CHUNK];

@@ -12,17 +12,16 @@
 #include <string.h>
 
 enum {
-    MAX_LEVELS = 17, /* of a film PRO_MAX_WIDTH wide */
-    MAX_TILES =
-        2 << 20, /* of a film, at all levels: bounds the tables of tiles, which are all there is at first */
-    /* Coarse pixels that half a tile's row of finer ones can touch, and one to either side. */
+    MAX_LEVELS = 17,     /* of a film PRO_MAX_WIDTH wide */
+    MAX_TILES = 2 << 20, /* of a film, at all levels: limits the tables of tiles, which are allocated first */
+    /* Coarse pixels that a row of finer ones in a tile can touch, and one at either end. */
     MAX_ROW = PRO_MAX_TILE / 2 + 3,
 };
 
 struct level {
     uint32_t width, height; /* pixels */
     uint32_t columns, rows; /* tiles */
-    uint16_t **tiles; /* columns x rows; NULL where none came; else tile_size x tile_size x RGB halves */
+    uint16_t **tiles;       /* columns x rows; NULL: not come; else tile_size x tile_size x RGB halves */
 };
 
 struct pro_picture {
@@ -132,7 +131,7 @@ static const uint16_t *tile_at(const struct pro_picture *picture, uint32_t level
     return picture->level[level].tiles[(size_t)y * picture->level[level].columns + x];
 }
 
-/* The finest level that has the level-0 tile (x, y), or the number of levels if none has. */
+/* The finest level at which the level-0 tile (x, y) has come; the number of levels if there is none. */
 static uint32_t finest(const struct pro_picture *picture, uint32_t x, uint32_t y)
 {
     uint32_t level = 0;
@@ -161,8 +160,8 @@ struct home {
     uint32_t level, x, y;
 };
 
-/* Take a row of count pixels from x0 on, as seen from a home tile of that level: u wraps, v is clamped, and what
- * lies in a tile that has not come takes the nearest pixel of the home tile. */
+/* Copy a row of count pixels of a level, from x0 on, around a home tile. u wraps, and v is clamped. A pixel
+ * of a tile that has not come becomes the nearest pixel of the home tile. */
 static void gather(const struct pro_picture *picture, const struct home *home, int32_t x0, int32_t y,
                    int32_t count, float *out_rgb)
 {
@@ -186,7 +185,7 @@ static void gather(const struct pro_picture *picture, const struct home *home, i
     }
 }
 
-/* The level-0 tile (x, y), from level l > 0. out_rgb is its first pixel in the film. */
+/* Fill the level-0 tile (x, y) from level l > 0. out_rgb is its first pixel in the film. */
 static void interpolate(const struct pro_picture *picture, uint32_t l, uint32_t x, uint32_t y, float *out_rgb)
 {
     const struct home home = {l, x >> l, y >> l};

@@ -1,4 +1,4 @@
-/* socket.c: waiting, and getting a connection, against a deadline. */
+/* socket.c: waiting and connecting, until a deadline. */
 #include "internal.h"
 
 #include <errno.h>
@@ -53,8 +53,9 @@ void pro_tcp_options(int fd)
     setsockopt(fd, IPPROTO_TCP, TCP_USER_TIMEOUT, &(unsigned){60000}, sizeof(unsigned));
 }
 
-/* Who listens at a Unix socket decides what is heard and shown: only this user, or root, who may do all that
- * anyway. The credentials are those of listen(), which no later owner of the path can change. */
+/* Whoever listens on a Unix socket gets what is sent and decides what is shown: this must be this user, or
+ * root, who may do so anyway. The credentials are those at listen(), which a later owner of the path cannot
+ * change. */
 static bool is_trusted(int fd, const char *name, char out_error[PRO_ERROR_SIZE])
 {
     struct ucred peer;
@@ -72,7 +73,7 @@ static int attempt(int family, const struct sockaddr *to, socklen_t length, uint
     int fd = socket(family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     if (fd < 0) return -1;
     int error = connect(fd, to, length) == 0 ? 0 : errno;
-    /* A connect that a signal interrupts goes on by itself, as one that is in progress. */
+    /* A connect() that a signal interrupts goes on, as one in progress. */
     if (error == EINPROGRESS || error == EINTR) {
         socklen_t size = sizeof error;
         if (!pro_wait(fd, POLLOUT, deadline_ns))
@@ -99,7 +100,7 @@ static int attempt_all(const struct pro_address *address, const struct addrinfo 
     uint64_t candidates = 0;
     for (const struct addrinfo *one = found; one; one = one->ai_next) candidates++;
     for (const struct addrinfo *one = found; one; one = one->ai_next, candidates--) {
-        /* One that never answers leaves time for the others. */
+        /* An address that never answers leaves time for the others. */
         uint64_t now = pro_now_ns(), until = deadline_ns;
         if (deadline_ns != PRO_NEVER && deadline_ns > now) until = now + (deadline_ns - now) / candidates;
         int fd = attempt(one->ai_family, one->ai_addr, one->ai_addrlen, until);

@@ -1,4 +1,4 @@
-/* foveactl compare: how different two pictures are to an eye, and by the plain figures of older results. */
+/* foveactl compare: how different two pictures look, and the plain figures of older results. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,9 +12,9 @@
 struct comparison {
     const struct ctl *ctl;
     float *reference, *test, *errors;
-    bool encoded; /* one of the files at least is encoded for a display */
+    bool encoded; /* at least one of the files is encoded for a display */
     struct rnd_pair pair;
-    const struct rnd_metric *mapped; /* the first that fits and has a map: errors */
+    const struct rnd_metric *mapped; /* the first metric that fits and has a map; errors is its map */
     struct rnd_measure *measure;     /* of each metric, if it fits */
 };
 
@@ -105,7 +105,7 @@ static json_t *number(double value)
     return isfinite(value) ? json_real(value) : json_null();
 }
 
-/* Put a figure of a key "a.b" into the object a of an object, else into the object itself. */
+/* Put a value into an object; with a key "a.b", as b into the object's object a. */
 static void put_figure(json_t *object, const char *key, json_t *value)
 {
     const char *dot = strchr(key, '.');

@@ -66,7 +66,7 @@ bool ctl_request(struct pro_client *client, const Fovea__Message *message, doubl
     return good;
 }
 
-/* Messages are taken in order, so a Pong says that what went before it is done. */
+/* The daemon takes messages in order, so a Pong tells that it has taken those before. */
 bool ctl_tell(struct pro_client *client, const Fovea__Message *message)
 {
     Fovea__Message message_ping = FOVEA__MESSAGE__INIT;
@@ -74,7 +74,7 @@ bool ctl_tell(struct pro_client *client, const Fovea__Message *message)
     char error[PRO_ERROR_SIZE];
     uint64_t client_ns, sent_ns = dmn_now_ns();
 
-    /* The client library asks the time as well: its own questions never carry this. */
+    /* The Pings of the client library never have this time. */
     ping.client_ns = UINT64_MAX;
     message_ping.body_case = FOVEA__MESSAGE__BODY_PING;
     message_ping.ping = &ping;

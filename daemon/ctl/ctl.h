@@ -9,12 +9,12 @@
 enum { CTL_PATH_SIZE = 4096 };
 
 /* How long a daemon may take to answer, s: a machine that does other work is slow. */
-enum { CTL_PATIENCE_S = 30, CTL_START_S = 600 /* to come up, with --wait */ };
+enum { CTL_PATIENCE_S = 30, CTL_START_S = 600 /* for the daemon to start, with --wait */ };
 
 /* What a command line says. */
 struct ctl {
     const char *command; /* its name */
-    bool has_address;    /* else the default */
+    bool has_address;    /* false: the default address */
     struct pro_address address;
     bool wait, json, until_finished, stop, replace, by, ldr;
     double seconds; /* of --for; infinite: not given */
@@ -32,8 +32,7 @@ struct ctl {
     char **arguments; /* all, as they were given */
 };
 
-/* A command is one file, which ends with its row, and one line here, where --help lists them in this order.
- */
+/* The commands, in the order of --help. A command is one file, which ends with its row, and one line here. */
 #define CTL_COMMANDS(ROW)                                                                                    \
     ROW(ctl_watch)                                                                                           \
     ROW(ctl_snapshot)                                                                                        \
@@ -66,9 +65,8 @@ CTL_COMMANDS(CTL_DECLARE)
 #define CTL_CONNECTION "connect wait "
 #define CTL_LOG        "format time-unit frame screen recording "
 
-/* How the row of a command that needs OpenImageIO names its function. The file is compiled twice: whole for
- * foveactl-image; and for foveactl, which has the row alone, and runs foveactl-image instead (elsewhere.c).
- */
+/* The function of a command that needs OpenImageIO, in its row. The file is compiled twice: whole, for
+ * foveactl-image; and only the row, for foveactl, which runs foveactl-image instead (elsewhere.c). */
 #ifdef CTL_ELSEWHERE
 int ctl_run_elsewhere(const struct ctl *ctl);
 #define CTL_NEEDS_IMAGES(run) ctl_run_elsewhere
@@ -87,34 +85,34 @@ struct pro_client *ctl_connect(const struct ctl *ctl, Fovea__Encoding tiles, boo
 /* Send a message, and wait until the daemon has acted on it. */
 bool ctl_tell(struct pro_client *client, const Fovea__Message *message);
 
-/* The next message of that kind, within seconds of from_ns (CLOCK_MONOTONIC); others are let go. NULL after a
- * line on stderr. */
+/* Wait for the next message of that kind, up to seconds after from_ns (CLOCK_MONOTONIC); other messages are
+ * dropped. NULL after a line on stderr. */
 Fovea__Message *ctl_await(struct pro_client *client, Fovea__Message__BodyCase body, uint64_t from_ns,
                           double seconds);
 
-/* Send a request and print what its Done says was done; false after the line on stderr that says why not. */
+/* Send a request, and print the text of its Done. False after a line on stderr if it was not done. */
 bool ctl_request(struct pro_client *client, const Fovea__Message *message, double seconds);
 
-/* The daemon may run elsewhere, so names must be whole: the folder is made absolute, the file need not exist.
- * False after a line on stderr. */
+/* Make a path absolute, since the daemon may run in another folder. The file need not exist. False after a
+ * line on stderr. */
 bool ctl_make_absolute(const char *path, char out_path[CTL_PATH_SIZE]);
 
-/* What Stats says of an eye tracker, in at least 160 bytes. */
+/* Write what Stats tells of an eye tracker, as text; out_line has at least 160 bytes. */
 void ctl_tracker_line(const Fovea__Tracker *tracker, char *out_line, size_t size);
-/* The same; it may be NULL; a new reference. */
+/* The same as JSON; tracker may be NULL. Returns a new reference. */
 json_t *ctl_tracker_json(const Fovea__Tracker *tracker);
 
-/* Where the camera is, m; null if count, of its numbers, is 0; a new reference. */
+/* The position of the camera (m) as JSON; null if count is 0. Returns a new reference. */
 json_t *ctl_camera_json(const float *camera, size_t count);
 
-/* Keys of the terminal, as they are pressed, from now until the end, or exit(). False if there is no
+/* Read the terminal's keys as they are pressed, from now until ctl_keys_end() or exit(). False if there is no
  * terminal. */
 bool ctl_keys_begin(void);
 void ctl_keys_end(void);
-char ctl_key(void); /* '\0': none; an arrow: the letter that lies so, w, a, s or d */
+char ctl_key(void); /* '\0': no key; an arrow becomes w, a, s or d */
 
-/* The log that the first operand names, by what the options say of it; false after a line on stderr. The
- * caller frees it. */
+/* Read the log that the first operand names, with the options. False after a line on stderr. The caller frees
+ * the log. */
 bool ctl_read_log(const struct ctl *ctl, struct trk_log *out_log);
 
 /* Degrees to the right of forward, and up from the horizon, of a direction. */

@@ -1,4 +1,4 @@
-/* foveactl: its options, one row each; finding the command on the command line and running it. */
+/* foveactl: its options, one row each, and running the command that the command line names. */
 #include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
@@ -70,7 +70,7 @@ static bool take_screen(const struct dmn_option *option, const char *text, void 
 
 /* --- the rows --- */
 
-/* --help puts the commands that take an option before its help, but for those of the first heading. */
+/* --help writes the commands that take an option before its help, except under the first heading. */
 static const struct dmn_option ROWS[] = {
     {.help = "Options of every command that connects to fovead"},
     {.name = "connect",
@@ -189,8 +189,8 @@ static void append(char text[HELP_SIZE], const char *before, const char *more)
     snprintf(text + length, HELP_SIZE - length, "%s%s", before, more);
 }
 
-/* "watch, record: HELP": the commands that take an option, and what it says. Those of two words with the same
- * first word have it once. */
+/* Write "watch, record: HELP": the commands that take an option, and its help. The first word of "gaze info",
+ * "gaze plot" is written once. */
 static void put_help(const struct dmn_option *row, char out[HELP_SIZE])
 {
     const char *before = "";
@@ -248,7 +248,8 @@ bool ctl_fail(const char *format, ...)
     return false;
 }
 
-/* How many words of a command line, which ends with NULL, are this command's name; 0 if it is not that. */
+/* The number of words of a command line (which ends with NULL) that are this command's name; 0 if it is
+ * another command. */
 static int words_of(const char *name, char *const *words)
 {
     size_t length = strlen(words[0]);
@@ -272,7 +273,7 @@ static bool fits(const struct ctl_command *command, const struct dmn_given *give
     return true;
 }
 
-/* -1: run it; else the exit status. */
+/* Parse the command line. -1: run the command; else the exit status. */
 static int parse(int argc, char **argv, struct ctl *ctl, const struct ctl_command **out_command)
 {
     const struct ctl_command *const *command = COMMANDS;
@@ -300,8 +301,8 @@ static int parse(int argc, char **argv, struct ctl *ctl, const struct ctl_comman
     return -1;
 }
 
-/* getopt takes "-30,10" for an option; a space before it makes it an operand, and numbers are read past
- * spaces. */
+/* getopt takes "-30,10" for an option. A space before it makes it an operand; reading numbers skips spaces.
+ */
 static bool hide_negatives(int argc, char **argv)
 {
     for (int i = 1; i < argc; i++) {
@@ -335,7 +336,7 @@ int main(int argc, char **argv)
     for (int i = 0; i < argc; i++) {
         bool same = false;
 
-        /* getopt has changed their order. */
+        /* getopt has changed the order of arguments. */
         for (int j = 0; j < argc; j++) same |= own[i] == argv[j];
         if (!same) free(own[i]);
     }

@@ -1,4 +1,4 @@
-/* foveactl gaze info, gaze convert: what a gaze log holds, and the same log in another format. */
+/* foveactl gaze info, gaze convert: what a gaze log holds; and writing it in another format. */
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
@@ -9,10 +9,10 @@
 #include "tracker.h"
 
 struct range {
-    double low, high; /* deg; high is above 180 where the arc crosses straight behind; low > high: nothing */
+    double low, high; /* deg; high is above 180 if the arc passes behind the viewer; low > high: empty */
 };
 
-/* Yaws from -180 to 180, by twentieths of a degree: the lowest and the highest of each. */
+/* Yaws from -180 to 180 in bins of a twentieth of a degree: the lowest and the highest of each bin. */
 enum { BINS = 7200 };
 struct circle {
     struct range bins[BINS];
@@ -21,12 +21,12 @@ struct circle {
 struct summary {
     double span_s, mean_hz; /* mean_hz counts the gaps */
     struct trk_rate rate;
-    size_t unseen; /* samples that sequence numbers say were lost */
+    size_t unseen; /* samples that are missing by their sequence numbers */
     size_t gaze, eye[2], pupil[2], head;
     float first_head[7];
-    bool head_moves, head_is_zero; /* zero: of all of them */
+    bool head_moves, head_is_zero; /* zero: in all samples */
     struct range head_yaw, head_pitch, world_yaw, world_pitch;
-    struct circle head_circle, world_circle; /* what the yaws are found from */
+    struct circle head_circle, world_circle; /* from which the ranges of yaw are found */
     struct trk_events events;
 };
 
@@ -50,8 +50,8 @@ static void widen_circle(struct circle *circle, double yaw)
     widen(&circle->bins[bin < BINS ? bin : BINS - 1], yaw);
 }
 
-/* The shortest arc that holds all these yaws: what the widest gap between neighbours leaves. The widest is
- * found if it is as wide as a bin. Where none is, some gap between two bins is taken for it. */
+/* The shortest arc that has all these yaws: the circle without the widest gap between neighbours. The widest
+ * gap is found if it is as wide as a bin; else some gap between two bins is taken. */
 static struct range arc_of(const struct circle *circle)
 {
     struct range arc = {INFINITY, -INFINITY};
@@ -252,7 +252,8 @@ bool ctl_ends_with(const char *text, const char *end)
     return length > tail && strcmp(text + length - tail, end) == 0;
 }
 
-/* A place for a log that was read from somewhere else, for its owner alone to read. */
+/* Begin a file for a log that only its owner may read. It must not be one of the files that the log was read
+ * from. */
 static bool begin(struct dmn_file *file, const char *path, const struct trk_log *log, bool replace)
 {
     char error[DMN_FILE_ERROR_SIZE];

@@ -9,7 +9,7 @@
 #include "ctl.h"
 #include "tracker.h"
 
-/* As many points as a chart of this width can show; of longer logs every so manieth sample is drawn. */
+/* As many points as a chart of this width can show. Of longer logs, samples are drawn at equal steps. */
 enum { MOST_POINTS = 20000, MOST_BANDS = 2000 };
 
 static const char SETUP[] =
@@ -33,7 +33,7 @@ double ctl_pitch_deg(const float v[3])
     return asin(fmin(fmax((double)v[1], -1), 1)) * 180 / M_PI;
 }
 
-/* A text in gnuplot's single quotes. */
+/* Write a text in gnuplot's single quotes. */
 static void put_quoted(FILE *out, const char *text)
 {
     fputc('\'', out);
@@ -65,8 +65,8 @@ static bool is_gap_between(const struct trk_log *log, const struct trk_rate *rat
     return false;
 }
 
-/* The samples of events of one type, or of all (-1), as lines of time, yaw and pitch; apart where gaze is
- * lost or passes behind the viewer, and at gaps. */
+/* Write the samples of events of one type, or of all (-1): time, yaw, pitch. An empty line separates them
+ * where gaze is lost or passes behind the viewer, and at gaps. */
 static void put_path(FILE *out, const char *name, const struct trk_log *log, const struct trk_rate *rate,
                      const struct trk_events *events, int type)
 {
@@ -97,7 +97,7 @@ static void put_path(FILE *out, const char *name, const struct trk_log *log, con
     fputs("EOD\n", out);
 }
 
-/* Blinks and losses: from when to when. One far off the chart keeps the block from being empty. */
+/* Write the times of blinks and losses. One outside the chart keeps the block from being empty. */
 static void put_bands(FILE *out, const struct trk_log *log, const struct trk_events *events)
 {
     int count = 0;
@@ -113,7 +113,7 @@ static void put_bands(FILE *out, const struct trk_log *log, const struct trk_eve
     fputs("EOD\n", out);
 }
 
-/* Fixations: yaw, pitch, radius by duration, time. */
+/* Write fixations: yaw, pitch, radius by duration, time. */
 static void put_fixations(FILE *out, const struct trk_log *log, const struct trk_events *events)
 {
     fputs("$fixations << EOD\n-400 -400 0.1 0\n", out);
@@ -128,7 +128,7 @@ static void put_fixations(FILE *out, const struct trk_log *log, const struct trk
     fputs("EOD\n", out);
 }
 
-/* Limits of column 2 or 3 of the path, with room. */
+/* The range of an angle over the log, with a margin. */
 static void range_of(const struct trk_log *log, double (*angle)(const float v[3]), double out_range[2])
 {
     double low = INFINITY, high = -INFINITY;
@@ -196,7 +196,7 @@ static void put_charts(FILE *out, const char *path, const struct trk_log *log)
         end_s > 0 ? end_s : 1);
 }
 
-/* gnuplot takes its commands from a pipe; how it went. */
+/* Draw the chart. False after a line on stderr. */
 static bool draw(const char *path, const char *out_path, const struct trk_log *log,
                  const struct trk_rate *rate, const struct trk_events *events)
 {

@@ -1,4 +1,4 @@
-/* Single keys from a terminal, as they are pressed and not shown. */
+/* Single keys from a terminal, read as they are pressed, without echo. */
 #include <stdlib.h>
 #include <string.h>
 #include <termios.h>
@@ -19,7 +19,7 @@ bool ctl_keys_begin(void)
 {
     struct termios now;
 
-    /* In the background a change of the terminal would stop this program. */
+    /* In the background, changing the terminal would stop this program. */
     if (!isatty(STDIN_FILENO) || tcgetpgrp(STDIN_FILENO) != getpgrp() || tcgetattr(STDIN_FILENO, &before))
         return false;
     now = before;

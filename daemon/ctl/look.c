@@ -1,9 +1,9 @@
-/* foveactl look: move the gaze, where it comes from a pointer. */
+/* foveactl look: point the gaze, if it comes from the pointer source. */
 #include <math.h>
 
 #include "ctl.h"
 
-/* The gaze as the daemon has it must come to where it was sent; another source does not listen. */
+/* Wait until the daemon's gaze is there. It never is if gaze comes from another source than the pointer. */
 static bool arrives(struct pro_client *client, const float direction[3])
 {
     uint64_t end_ns = dmn_now_ns() + 2000000000u;

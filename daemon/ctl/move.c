@@ -1,10 +1,10 @@
-/* foveactl move: the camera goes elsewhere; says which generation of the picture that begins, and how soon its
- * first tile was here. */
+/* foveactl move: moves the camera, and tells which generation of the picture begins, and how soon its first
+ * tile came. */
 #include <stdio.h>
 
 #include "ctl.h"
 
-/* The next tile of that generation or a newer one, when it has come; false after a line on stderr. */
+/* Wait for the next tile of that generation or a newer one. False after a line on stderr. */
 static bool await_tile(struct pro_client *client, uint64_t generation, uint64_t sent_ns)
 {
     for (;;) {
@@ -61,7 +61,7 @@ static int run(const struct ctl *ctl)
         ctl_fail("move wants X,Y,Z in metres, each %d at most, not '%s'", DMN_FARTHEST, ctl->operand[0]);
         return 2;
     }
-    /* Only the first tile counts: the small encoding does. */
+    /* Only the arrival of a tile counts, so the small encoding is enough. */
     client = ctl_connect(ctl, FOVEA__ENCODING__ENCODING_JPEG, false, false);
     if (!client) return 1;
     move.request = 1;

@@ -1,5 +1,5 @@
-/* foveactl recentre: the eye looks at the view's centre, or at a given direction, now; all gaze is turned
- * accordingly. */
+/* foveactl recentre: tells the daemon that the eyes look at the view's centre, or in a given direction, now;
+ * all gaze is turned accordingly. */
 #include <math.h>
 
 #include "ctl.h"

@@ -1,4 +1,4 @@
-/* foveactl record: the daemon records the gaze samples as they come from the source. */
+/* foveactl record: has the daemon record the gaze samples as they come from the source. */
 #include <math.h>
 #include <signal.h>
 
@@ -25,7 +25,7 @@ static bool request(struct pro_client *client, bool on, const char *path, bool r
     return ctl_request(client, &message, CTL_PATIENCE_S);
 }
 
-/* That the recording fails, at once; the daemon goes on trying. */
+/* Tell at once that the recording fails. The daemon goes on trying. */
 static void tell(const Fovea__Stats *stats, bool *told)
 {
     if (*stats->recording_error && !*told)
@@ -34,7 +34,7 @@ static void tell(const Fovea__Stats *stats, bool *told)
     *told |= *stats->recording_error;
 }
 
-/* Until the time is up, or Ctrl-C. */
+/* Wait until the time is up, or for Ctrl-C. */
 static bool wait_for(struct pro_client *client, double seconds)
 {
     uint64_t end_ns = dmn_now_ns() + (uint64_t)(seconds * 1e9);
@@ -73,7 +73,7 @@ static int run(const struct ctl *ctl)
     if (isfinite(ctl->seconds)) {
         sigaction(SIGINT, &action, NULL);
         sigaction(SIGTERM, &action, NULL);
-        /* nohup(1): it is to go on when the terminal is closed. */
+        /* After nohup(1) it goes on when the terminal is closed. */
         if (!sigaction(SIGHUP, NULL, &before) && before.sa_handler != SIG_IGN)
             sigaction(SIGHUP, &action, NULL);
     }

@@ -1,4 +1,4 @@
-/* foveactl samples: where the samples of a saved film went, and the path of the gaze that drew them there. */
+/* foveactl samples: draws where the samples of a saved film fell, and the path of the gaze. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,7 +9,7 @@
 
 enum { MOST_WIDTH = 2048 };
 
-/* The line's and the marks' half widths, pixels. */
+/* Half widths of the line, the marks and their rims, pixels. */
 static const float LINE_PX = 0.8f, MARK_PX = 6, RIM_PX = 1.5f;
 static const float LINE_COLOUR[3] = {0.25f, 1, 0.95f}, FIRST_COLOUR[3] = {0.2f, 1, 0.3f},
                    LAST_COLOUR[3] = {1, 0.35f, 0.3f};
@@ -17,10 +17,11 @@ static const float LINE_COLOUR[3] = {0.25f, 1, 0.95f}, FIRST_COLOUR[3] = {0.2f, 
 struct map {
     int width, height;
     float *rgb;   /* linear */
-    float *cover; /* of the line, 0 to 1 */
+    float *cover; /* coverage by the line, 0 to 1 */
 };
 
-/* Means of squares of pixels, so that the map is at most MOST_WIDTH wide; in place. Returns the largest. */
+/* Replace squares of pixels by their means, in place, so that the map is at most MOST_WIDTH wide. Returns the
+ * largest. */
 static float shrink(float *counts, int width, int height, struct map *map)
 {
     int side = (width + MOST_WIDTH - 1) / MOST_WIDTH;
@@ -40,7 +41,7 @@ static float shrink(float *counts, int width, int height, struct map *map)
     return most;
 }
 
-/* Keep the greater coverage, so that the joints of a line are no brighter than the rest. */
+/* Draw a segment of the line. Each pixel keeps the greater coverage, so that joints are no brighter. */
 static void cover_segment(struct map *map, const float a[2], const float b[2])
 {
     float reach = LINE_PX + 1, d[2] = {b[0] - a[0], b[1] - a[1]}, square = d[0] * d[0] + d[1] * d[1];
@@ -65,7 +66,7 @@ static void blend(struct map *map, int x, int y, const float to[3], float share)
     for (int c = 0; c < 3; c++) pixel[c] += (to[c] - pixel[c]) * share;
 }
 
-/* A disc with a dark rim. */
+/* Draw a disc with a dark rim. */
 static void mark(struct map *map, const float at[2], const float colour_of[3])
 {
     static const float DARK[3] = {0, 0, 0};
@@ -97,7 +98,7 @@ static void draw_path(struct map *map, const struct trk_log *log)
         }
         at[0] = (0.5f + atan2f(d[0], -d[2]) / (2 * (float)M_PI)) * (float)map->width;
         at[1] = (0.5f - asinf(fmaxf(-1, fminf(1, d[1]))) / (float)M_PI) * (float)map->height;
-        /* Half the width in one step is the seam, not the eye. */
+        /* A step of half the width crosses the seam. */
         if (joined && fabsf(at[0] - last[0]) < (float)map->width / 2) cover_segment(map, last, at);
         for (int c = 0; c < 2; c++) last[c] = at[c];
         for (int c = 0; c < 2 && !any; c++) first[c] = at[c];
@@ -126,7 +127,7 @@ static bool draw(const struct ctl *ctl, float *counts, int width, int height, co
     }
     for (size_t i = 0; i < pixels; i++) ctl_colour(CTL_INFERNO, log1pf(counts[i]) * scale, &map.rgb[3 * i]);
     if (log) draw_path(&map, log);
-    /* Where somebody looked is theirs alone, as a log of it is. */
+    /* Where somebody looked is private, as a log of it is. */
     good = dmn_image_write(ctl->operand[1], 0600, map.width, map.height, map.rgb, true, error) ||
            ctl_fail("%s", error);
     if (good)

@@ -1,4 +1,4 @@
-/* foveactl save: the daemon writes its film to a file. */
+/* foveactl save: has the daemon write its film to a file. */
 #include <errno.h>
 #include <libgen.h>
 #include <limits.h>

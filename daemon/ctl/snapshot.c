@@ -1,4 +1,4 @@
-/* foveactl snapshot: the picture as a client has it, saved as a panorama or as a view into it. */
+/* foveactl snapshot: saves the picture as a client has it, as a panorama or a view into it. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,10 +9,10 @@
 #include "ctl.h"
 #include "image.h"
 
-/* Summing up what has come is not free: not after every tile. */
-static const uint64_t LOOK_NS = 50000000;
+/* How often to check how much of the picture has come. */
+static const uint64_t CHECK_NS = 50000000;
 
-/* Middle grey: what auto exposure makes of the median. */
+/* Middle grey, to which auto exposure brings the median. */
 static const float GREY = 0.18f;
 
 struct snapshot {
@@ -41,9 +41,9 @@ static bool is_image(const char *path)
     return ctl_fail("snapshot wants a name that ends in .exr, .png or .jpg, not '%s'", path);
 }
 
-/* Receive until the picture is whole, then --settle seconds longer for finer tiles. If it begins anew again
- * and again because the camera moves, those seconds count from the first whole picture, and the next whole one
- * after them is taken. */
+/* Receive until the picture is whole, then --settle seconds longer for finer tiles. If the picture begins
+ * anew meanwhile, because the camera moves, the seconds still count from the first whole picture; after them
+ * the next whole picture is taken. */
 static bool gather(struct snapshot *snapshot)
 {
     const struct ctl *ctl = snapshot->ctl;
@@ -56,18 +56,18 @@ static bool gather(struct snapshot *snapshot)
         enum pro_result result = pro_receive(snapshot->client, 50, &message, error);
         uint64_t now_ns = dmn_now_ns();
 
-        /* What came before a daemon ended is still worth keeping, if it is whole. */
+        /* A whole picture is kept even if the daemon has ended. */
         if (result == PRO_BROKEN) return whole || ctl_fail("%s", error);
         if (result == PRO_MESSAGE && message->body_case == FOVEA__MESSAGE__BODY_TILE) {
             snapshot->tiles++;
-            /* What was there is gone: the camera has moved, or the scene was edited. */
+            /* The old picture is gone: the camera has moved, or the scene was edited. */
             if (message->tile->generation > snapshot->generation) {
                 snapshot->generation = message->tile->generation;
                 whole = false;
                 looked_ns = 0;
             }
         }
-        /* Before the first sample there is an aim, but nobody looks there. */
+        /* Before the first gaze sample there is an aim, but no gaze. */
         if (result == PRO_MESSAGE && message->body_case == FOVEA__MESSAGE__BODY_GAZE &&
             message->gaze->sequence) {
             memcpy(snapshot->gaze, message->gaze->n_aim ? message->gaze->aim : message->gaze->direction,
@@ -75,7 +75,7 @@ static bool gather(struct snapshot *snapshot)
             snapshot->has_gaze = true;
         }
         if (result == PRO_MESSAGE) fovea__message__free_unpacked(message, NULL);
-        if (!whole && now_ns - looked_ns >= LOOK_NS) {
+        if (!whole && now_ns - looked_ns >= CHECK_NS) {
             snapshot->coverage = pro_picture_coverage(pro_picture(snapshot->client));
             looked_ns = now_ns;
             whole = snapshot->coverage >= 1;
@@ -99,8 +99,8 @@ static int by_luminance(const void *a, const void *b)
     return (p->luminance > q->luminance) - (p->luminance < q->luminance);
 }
 
-/* What brings the median luminance over the sphere to middle grey. Of blocks, not of pixels: half of the
- * pixels of a noisy picture may be all but black. */
+/* The gain that brings the median luminance over the sphere to middle grey. The median is that of blocks:
+ * half of the pixels of a noisy picture may be nearly black. */
 static float auto_gain(const float *rgb, int width, int height)
 {
     enum { BLOCK = 32 };

@@ -1,4 +1,4 @@
-/* foveactl stats: the daemon's figures, once. */
+/* foveactl stats: prints the daemon's figures once. */
 #include <stdio.h>
 
 #include <jansson.h>

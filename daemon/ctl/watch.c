@@ -1,4 +1,4 @@
-/* foveactl watch: how the picture grows, where the eye looks and how long things take, live. */
+/* foveactl watch: shows live how the picture grows, where the eye looks and how long things take. */
 #include <math.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -12,7 +12,7 @@
 
 #include "ctl.h"
 
-/* Between two drawings: on a terminal, and as plain lines. */
+/* Time between two drawings: on a terminal, and as plain lines. */
 static const uint64_t REDRAW_NS = 200000000, LINE_NS = 1000000000;
 
 /* How far a key moves the camera, m. */
@@ -30,19 +30,19 @@ struct watch {
     const struct ctl *ctl;
     struct pro_client *client;
     bool terminal, keys;
-    int lines; /* drawn last time, to be drawn over */
+    int lines; /* drawn last time, to be overwritten */
     uint64_t began_ns, drawn_ns;
 
-    Fovea__Stats stats; /* the newest; its numbers alone */
+    Fovea__Stats stats; /* the newest; only its numbers are valid */
     Fovea__Tracker tracker;
     bool has_stats, has_tracker, has_gaze;
-    bool ended;                                     /* the daemon has, in order */
-    char gaze_source[TRK_ERROR_SIZE], answer[1024]; /* to the last key */
+    bool ended;                                     /* the daemon has ended in order */
+    char gaze_source[TRK_ERROR_SIZE], answer[1024]; /* to the last key that was pressed */
     char recording[1024], recording_error[TRK_ERROR_SIZE];
     char scene[1024], refused[RND_ERROR_SIZE];
     float direction[3], spread, camera[3];
     char state[32], source[32], why[80];
-    uint64_t states[TRK_FROZEN + 1]; /* how often Gaze had it */
+    uint64_t states[TRK_FROZEN + 1]; /* number of Gaze messages with each state */
 
     uint64_t tiles, bytes;             /* in all */
     uint64_t drawn_tiles, drawn_bytes; /* at the last drawing */
@@ -58,8 +58,8 @@ static void on_interrupt(int number)
     interrupted = number;
 }
 
-/* The first tile that answers a gaze sample tells how long the answer took; later ones, and the first one
- * after a freeze, would tell how long the eye has rested. */
+/* The first tile that answers a gaze sample tells how long the answer took. Later ones, and the first one
+ * after a freeze, would include how long the eye has rested. */
 static void take_latency(struct watch *watch, const Fovea__Tile *tile)
 {
     uint64_t round_trip_ns, received_ns = dmn_now_ns();
@@ -69,7 +69,7 @@ static void take_latency(struct watch *watch, const Fovea__Tile *tile)
     if (!tile->gaze_ns || tile->gaze_sequence <= watch->sequence || watch->stats.frozen) return;
     if (!pro_clock(watch->client, &round_trip_ns, &offset_ns)) return;
     watch->sequence = tile->gaze_sequence;
-    received_ns += (uint64_t)offset_ns; /* by the daemon's clock */
+    received_ns += (uint64_t)offset_ns; /* on the daemon's clock */
     times[TO_BATCH] = (double)(int64_t)(tile->aimed_ns - tile->gaze_ns);
     times[TO_ENCODED] = (double)(int64_t)(tile->encoded_ns - tile->aimed_ns);
     times[TO_RECEIVED] = (double)(int64_t)(received_ns - tile->encoded_ns);
@@ -157,7 +157,7 @@ static void draw_line(const struct watch *watch)
 
 static void row(struct watch *watch, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* A line of the table. On a terminal it must not be broken into two, for all are drawn over. */
+/* Print a line of the table. On a terminal it is cut to the width, since lines are overwritten. */
 static void row(struct watch *watch, const char *format, ...)
 {
     struct winsize window = {.ws_col = 80};
@@ -239,7 +239,7 @@ static void draw(struct watch *watch)
     uint64_t now_ns = dmn_now_ns(), passed_ns = now_ns - watch->drawn_ns;
 
     if (passed_ns < (watch->terminal ? REDRAW_NS : LINE_NS) || !watch->has_stats) return;
-    /* The rates are those of the time since the last drawing, eased. */
+    /* Rates since the last drawing, smoothed. */
     watch->tile_rate = (double)(watch->tiles - watch->drawn_tiles) / ((double)passed_ns * 1e-9);
     watch->byte_rate = (double)(watch->bytes - watch->drawn_bytes) / ((double)passed_ns * 1e-9);
     watch->drawn_ns = now_ns;
@@ -311,7 +311,7 @@ static void print_json(const struct watch *watch, double seconds)
     json_decref(object);
 }
 
-/* Along the gaze, or level and square to it. */
+/* The step that a key asks for: along the gaze, or level and at right angles to it. */
 static void step(const struct watch *watch, char key, float out_by[3])
 {
     const float *d = watch->direction, level = hypotf(d[0], d[2]);
@@ -319,12 +319,12 @@ static void step(const struct watch *watch, char key, float out_by[3])
     const float right = key == 'd' ? STEP : key == 'a' ? -STEP : 0;
 
     for (int i = 0; i < 3; i++) out_by[i] = ahead * d[i];
-    if (level < 1e-3f) return; /* straight up or down nothing is to the right */
+    if (level < 1e-3f) return; /* if gaze is straight up or down, there is no right */
     out_by[0] -= right * d[2] / level;
     out_by[2] += right * d[0] / level;
 }
 
-/* f, c, w, a, s, d or q; false after q. */
+/* Act on a key: f, c, w, a, s, d or q. False after q. */
 static bool press(struct watch *watch, char key)
 {
     Fovea__Move move = FOVEA__MOVE__INIT;
@@ -352,18 +352,18 @@ static bool press(struct watch *watch, char key)
         message.body_case = FOVEA__MESSAGE__BODY_MOVE;
         message.move = &move;
     }
-    /* A connection that has broken is told when more is read from it. */
+    /* If the connection has broken, the next read tells. */
     (void)pro_send(watch->client, &message, error);
     return true;
 }
 
-/* Until the time is up, the recording or the daemon has ended, nobody reads, or Ctrl-C. False with a line in
- * out_error if the connection breaks before. */
+/* Watch until the time is up, the recording or the daemon has ended, nobody reads the output, or Ctrl-C.
+ * False with a line in out_error if the connection breaks. */
 static bool follow(struct watch *watch, char out_error[PRO_ERROR_SIZE])
 {
     const struct ctl *ctl = watch->ctl;
 
-    trk_be_prompt(); /* so that latencies are not those of this program waiting for a processor */
+    trk_be_prompt(); /* so that latencies do not include waits of this program for a processor */
     while (!interrupted && !watch->ended && !ferror(stdout)) {
         Fovea__Message *message;
         enum pro_result result = pro_receive(watch->client, 50, &message, out_error);
@@ -391,7 +391,7 @@ static int run(const struct ctl *ctl)
     if (!watch) return ctl_fail("out of memory"), 1;
     watch->ctl = ctl;
     watch->terminal = isatty(STDOUT_FILENO) && !ctl->json;
-    /* What is watched is shown, not measured: the small encoding does. */
+    /* Pixels are not used, so the small encoding is enough. */
     watch->client = ctl_connect(ctl, FOVEA__ENCODING__ENCODING_JPEG, true, true);
     if (!watch->client) {
         free(watch);

@@ -9,7 +9,7 @@
 
 #pragma GCC visibility push(hidden)
 
-/* size is 1 to PRO_MAX_TILE in both; otherwise as pro_encode() and pro_decode(). */
+/* As pro_encode() and pro_decode(), with size from 1 to PRO_MAX_TILE. */
 struct pro_codec {
     Fovea__Encoding encoding;
     uint8_t *(*encode)(const float *rgb, unsigned size, size_t *out_count);

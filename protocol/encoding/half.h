@@ -26,10 +26,11 @@ static inline uint32_t bits_of_float(float value)
     return bits;
 }
 
-/* The nearest half, ties to even. What a half cannot hold becomes the nearest that it can; NaN becomes 0. */
+/* The nearest half, ties to even. Values beyond the range of halves become the largest ones; NaN becomes 0.
+ */
 static inline uint16_t half_from_float(float value)
 {
-    const float magic = 0.5f; /* its last bit weighs 2^-24, a subnormal half's one and only unit */
+    const float magic = 0.5f; /* its last bit is 2^-24, the unit of subnormal halves */
     uint32_t sign = bits_of_float(value) >> 16 & 0x8000;
     float size = float_of_bits(bits_of_float(value) & 0x7fffffff);
     size = size < PRO_HALF_MAX ? size : PRO_HALF_MAX;
@@ -45,7 +46,7 @@ static inline int half_is_finite(uint16_t half)
     return (half & 0x7c00) != 0x7c00;
 }
 
-/* Of a finite half, exactly. */
+/* The value of a finite half, exactly. */
 static inline float half_to_float(uint16_t half)
 {
     uint32_t bits = ((half & 0x7fffu) << 13) + (112u << 23);

@@ -1,5 +1,5 @@
-/* half_zstd.c: linear radiance as half floats, little endian, row by row, packed by zstd. Lossless but for
- * the half. */
+/* half_zstd.c: linear radiance as half floats, little endian, row by row, packed by zstd. Only the rounding
+ * to half floats loses anything. */
 #include "encoding.h"
 #include "half.h"
 
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <zstd.h>
 
-/* Higher levels win a few percent of noise for several times the time. */
+/* Higher levels save a few per cent of noisy tiles and take several times as long. */
 enum { LEVEL = 1 };
 
 static uint8_t *encode(const float *rgb, unsigned size, size_t *out_count)
@@ -21,7 +21,7 @@ static uint8_t *encode(const float *rgb, unsigned size, size_t *out_count)
     size_t count = ZSTD_compress(bytes, bound, halves, values * sizeof *halves, LEVEL);
     if (ZSTD_isError(count)) goto fail;
     free(halves);
-    /* Tiles wait in queues: give back what the bound had too much. */
+    /* Tiles wait in queues: free what is beyond count. */
     uint8_t *exact = realloc(bytes, count);
     *out_count = count;
     return exact ? exact : bytes;
@@ -34,7 +34,7 @@ fail:
 static bool decode(const uint8_t *bytes, size_t count, unsigned size, float *out_rgb)
 {
     size_t values = (size_t)size * size * 3;
-    /* One frame that states its size and fills the bytes: so what is allocated is known beforehand. */
+    /* It must be one frame that states its size and has all bytes, so that memory is known before. */
     if (ZSTD_getFrameContentSize(bytes, count) != values * sizeof(uint16_t)) return false;
     if (ZSTD_findFrameCompressedSize(bytes, count) != count) return false;
     uint16_t *halves = malloc(values * sizeof *halves);

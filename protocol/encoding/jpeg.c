@@ -77,7 +77,7 @@ static struct jpeg_error_mgr *silence(struct failure *failure)
     return &failure->manager;
 }
 
-/* What outlives the jump is in here, not in locals. */
+/* Variables that must outlive the jump; locals do not. */
 struct output {
     uint8_t *bytes;
     unsigned long count;
