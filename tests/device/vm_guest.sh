@@ -40,9 +40,11 @@ judge 200 2
 
 echo "== fovead itself, both trackers at once; the one that it took is pulled out, and the other goes on"
 make_room
+"$programs/fovead" --scene room.obj --size 128 --gaze auto --json >fovead.out 2>fovead.err & fovead=$!
+# Only then does it tell which tracker it takes.
+while ! grep -q '^fovead: ready$' fovead.err && kill -0 "$fovead" 2>/dev/null; do sleep 0.1; done
 "$programs/vm_hid" 750 250 & hid=$!
 "$programs/vm_usb" 750 250 & usb=$!
-"$programs/fovead" --scene room.obj --size 128 --gaze auto --json >fovead.out 2>fovead.err & fovead=$!
 # Nobody opens the trackers of a fovead that has ended.
 (tail --pid="$fovead" -f /dev/null; kill "$hid" "$usb" 2>/dev/null) & watcher=$!
 wait "$hid" || fail "fovead never opened the HID tracker"
