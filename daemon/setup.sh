@@ -1,7 +1,7 @@
 #!/bin/sh
-# Installs what fovead is built from, as far as it is missing: sh daemon/setup.sh; with the tests' needs, and gnuplot,
-# by which foveactl and fovea-bench draw charts: sh daemon/setup.sh tests. For Debian 12, 13 and their relatives, where
-# the packages have the same names; as root, or by sudo where that asks nothing.
+# Installs missing packages that fovead is built from: sh daemon/setup.sh. With those that tests need, and gnuplot, with
+# which foveactl and fovea-bench draw charts: sh daemon/setup.sh tests. For Debian 12, 13 and systems with the same
+# package names; as root, or by sudo if that asks for no password.
 set -eu
 
 say() { printf 'setup: %s\n' "$*"; }

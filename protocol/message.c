@@ -3,8 +3,9 @@
 
 #include <stdlib.h>
 
-/* Beyond a copy of its own bytes, unpacking an honest message needs its structures and protobuf-c's notes on
- * more than 16 fields. A message of millions of two-byte unknown fields would want some 40 times its length. */
+/* Besides a copy of its bytes, unpacking a sensible message needs its structures, and protobuf-c's records of
+ * more than 16 fields. A message of millions of unknown fields of two bytes would need some 40 times its
+ * length. */
 enum { UNPACK_SLACK = 16 << 10 };
 
 static void *budget_alloc(void *data, size_t size)

@@ -1,4 +1,4 @@
-# For test scripts: waiting for what must come, however slow the machine is, and a small scene to render.
+# For test scripts: waiting for an event however slow the machine is, and a small scene to render.
 
 # await WHAT COMMAND...: until the command succeeds. The count is there to name what never comes.
 await() {

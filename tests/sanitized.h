@@ -1,5 +1,5 @@
-/* Whether this is a build with a sanitizer. Sanitizers look at what code does, not at how often: tests that
- * draw or trace many times for the sake of a mean do so less often there, and hold the mean to less. */
+/* Is this a build with a sanitizer? Sanitizers check what code does, not how often. So tests that draw or
+ * trace many times for a mean do so less often there, with a wider tolerance. */
 #ifndef FOVEAD_TESTS_SANITIZED_H
 #define FOVEAD_TESTS_SANITIZED_H
 

@@ -59,7 +59,7 @@ static void *copy_list(struct take *take, const struct rnd_flat_list *list, size
         list->count > 0 && list->count < UINT32_MAX ? part(take, list->at, list->count, size, 0) : NULL;
     if (list->count > 0 && !from) return fail(take, "%s that are not there", name), NULL;
     void *to = calloc((size_t)list->count + 1, size);
-    if (!to) return fail(take, "more than there is memory for"), NULL;
+    if (!to) return fail(take, "more than memory can hold"), NULL;
     if (from) memcpy(to, from, (size_t)list->count * size);
     *out_count = (uint32_t)list->count;
     return to;
@@ -150,7 +150,7 @@ static bool take_materials(struct take *take, const struct rnd_flat_head *head)
         memset(m->glass, 0, sizeof m->glass);
         m->medium = 0;
         m->pane = false;
-        if (!is_material(m, scene->texture_count)) return fail(take, "material %u, which is none", i);
+        if (!is_material(m, scene->texture_count)) return fail(take, "material %u with impossible values", i);
         rnd_material_set_kind(m);
     }
     return scene->material != NULL;
@@ -163,12 +163,12 @@ static bool take_texture(struct take *take, const struct rnd_flat_texture *from,
     const char *path = text_at(take, from->path);
     const void *file = from->file.at ? part(take, from->file.at, from->file.count, 1, 0) : NULL;
     if (!path || from->use > RND_PIXELS_COLOUR || (from->file.at && !file))
-        return fail(take, "a texture that is none");
+        return fail(take, "an impossible texture");
     *to = (struct rnd_texture){.path = strdup(path),
                                .use = (enum rnd_pixels_use)from->use,
                                .file = file,
                                .file_bytes = file ? from->file.count : 0};
-    return to->path || fail(take, "more than there is memory for");
+    return to->path || fail(take, "more than memory can hold");
 }
 
 static bool take_textures(struct take *take, const struct rnd_flat_head *head)
@@ -177,7 +177,7 @@ static bool take_textures(struct take *take, const struct rnd_flat_head *head)
     uint32_t count = 0;
     struct rnd_flat_texture *from = copy_list(take, &head->texture, sizeof *from, "textures", &count);
     bool ok = from && ((scene->texture = calloc(count + 1, sizeof *scene->texture)) ||
-                       fail(take, "more than there is memory for"));
+                       fail(take, "more than memory can hold"));
     for (uint32_t i = 0; ok && i < count; i++) {
         ok = take_texture(take, &from[i], &scene->texture[i]);
         scene->texture_count += ok;
@@ -232,9 +232,9 @@ static bool take_meshes(struct take *take, const struct rnd_flat_head *head)
     uint32_t count = 0;
     struct rnd_flat_mesh *from = copy_list(take, &head->mesh, sizeof *from, "meshes", &count);
     bool ok = from && ((scene->mesh = calloc(count + 1, sizeof *scene->mesh)) ||
-                       fail(take, "more than there is memory for"));
+                       fail(take, "more than memory can hold"));
     for (uint32_t i = 0; ok && i < count; i++) {
-        ok = take_mesh(take, &from[i], &scene->mesh[i]) || fail(take, "mesh %u, which is none", i);
+        ok = take_mesh(take, &from[i], &scene->mesh[i]) || fail(take, "mesh %u with impossible parts", i);
         if (ok && !scene->mesh[i].instanced) scene->info.triangles += scene->mesh[i].triangles;
         scene->mesh_count += ok;
     }
@@ -254,7 +254,7 @@ static bool take_instances(struct take *take, const struct rnd_flat_head *head)
             !is_bool(&instance->mirrors) || !within(&instance->scale, 1, 0, most) ||
             !within(instance->to_world, 12, -most, most) ||
             !within(instance->normal_to_world, 9, -most, most))
-            return fail(take, "instance %u, which is none", i);
+            return fail(take, "instance %u with impossible values", i);
         scene->info.triangles += scene->mesh[instance->mesh].triangles;
     }
     return scene->instance != NULL;
@@ -274,7 +274,7 @@ static bool take_lights(struct take *take, const struct rnd_flat_head *head)
             !within(&light->position.x, 3, -MOST_COORDINATE, MOST_COORDINATE) ||
             !within(&light->direction.x, 3, -2, 2) || !within(&light->intensity.x, 3, 0, FLT_MAX) ||
             !within(angle, 2, 0, 2))
-            return fail(take, "light %u, which is none", i);
+            return fail(take, "light %u with impossible values", i);
     }
     return lights->punctual != NULL;
 }
@@ -303,8 +303,7 @@ static bool take_files(struct take *take, const struct rnd_flat_head *head)
 {
     struct rnd_scene_info *info = &take->scene->info;
     const char *files = head->files.count > 0 ? part(take, head->files.at, head->files.count, 1, 0) : "";
-    if (!files || !rnd_files_are_whole(files, head->files.count))
-        return fail(take, "names of files that are none");
+    if (!files || !rnd_files_are_whole(files, head->files.count)) return fail(take, "broken names of files");
     info->files = files;
     info->files_bytes = head->files.count;
     return true;

@@ -1,4 +1,4 @@
-/* fovea-bench: one file a measurement. Each prints a table for people, or one JSON object with --json. */
+/* fovea-bench: one file per measurement. Each prints a table for people, or one JSON object with --json. */
 #ifndef FOVEAD_BENCH_H
 #define FOVEAD_BENCH_H
 

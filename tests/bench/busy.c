@@ -1,6 +1,6 @@
-/* The daemon on a machine that does other work: how soon and how evenly tiles come, how long the gaze takes
- * to them, and whether paths get their share of the processors. The programs are the real ones, over a Unix
- * socket: fovead, clients that decode what they get, and busy loops that take all they can. */
+/* The daemon beside other work: how soon and how evenly tiles come, how long they take from the gaze, and
+ * whether paths get their share of the processors. It runs the real programs, over a Unix socket: fovead,
+ * clients that decode tiles, and busy loops. */
 #include "bench.h"
 #include "daemon.h"
 

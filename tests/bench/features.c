@@ -1,7 +1,7 @@
-/* What each thing that a scene can have costs where it is, and that it costs nothing where it is not: a small
- * room with it, against the same room without it, with it in the file alone, and with it where no ray comes.
- * Each is traced the same paths in turns, by one thread, in time of its processor, since the machine may have
- * other work. */
+/* What each feature of a scene costs if the scene has it, and that it costs nothing otherwise. A small room
+ * with the feature is compared with the same room without it, with it only in the file, and with it where no
+ * ray comes. The rooms are traced in turns, with the same paths, by one thread; its processor time counts,
+ * since the machine may do other work. */
 #include "bench.h"
 #include "renderer.h"
 #include "room.h"

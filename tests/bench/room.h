@@ -1,5 +1,5 @@
 /* A small room for measurements, as glTF: a bumpy floor, walls, 16 balls around the camera and a panel above
- * them, open to an even sky; and the same room with one thing more. */
+ * them, under an even sky; and the same room with one feature more. */
 #ifndef FOVEAD_BENCH_ROOM_H
 #define FOVEAD_BENCH_ROOM_H
 

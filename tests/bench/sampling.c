@@ -1,5 +1,6 @@
-/* How much sooner than independent random numbers the renderer's points settle a pixel: both on functions of
- * the unit square whose means are known, smooth as a soft shadow, with an edge, and finer than the points. */
+/* How much less error the renderer's sample points leave than independent random numbers, on functions of the
+ * unit square with known means: smooth as a soft shadow, with an edge, and with detail finer than the points.
+ */
 #include "bench.h"
 #include "math/sampler.h"
 

@@ -1,4 +1,4 @@
-/* From nothing to the first coarse picture, step by step; and what a pixel of the film costs in memory. */
+/* Time from the start to the first coarse picture, step by step; and memory per pixel of the film. */
 #include "bench.h"
 #include "renderer.h"
 

@@ -1,6 +1,6 @@
-/* Paths and rays a second, and where the time goes: against the same rays traced again with nothing but calls
- * to Embree, in the same run and in turns, so that a machine that slows down slows both. On a machine that
- * others use too, time of its processors says more than time that passes: both are told. */
+/* Paths and rays per second, and where the time goes, compared with only the calls to Embree for the same
+ * rays. Both run in turns, so that a machine that slows down slows both. Processor time and wall time are
+ * printed: beside other work, the first says more. */
 #include "bench.h"
 #include "renderer.h"
 

@@ -1,4 +1,4 @@
-/* The HID tracker in the bed: hidraw's ioctls and reports. */
+/* The HID tracker in the test bed: ioctls and reports of hidraw. */
 #include "fake_internal.h"
 
 #include "descriptors.h"

@@ -1,4 +1,4 @@
-/* The PlayStation VR2 in the bed: usbfs's requests, of which there are as many as libusb makes. */
+/* The PlayStation VR2 in the test bed: the requests of usbfs that libusb makes. */
 #include "fake_internal.h"
 
 #include "psvr2.h"

@@ -1,5 +1,5 @@
-# Eye trackers that are not there: programs of the project run unmodified among umockdev's fake devices. Without umockdev
-# these tests are skipped, with a word.
+# Fake eye trackers: programs of the project run unmodified among umockdev's fake devices. Without umockdev these tests
+# are skipped, and say so.
 pkg_check_modules(UMOCKDEV QUIET IMPORTED_TARGET umockdev-1.0)
 add_executable(device_probe device/probe.c)
 target_link_libraries(device_probe PRIVATE tracker m)

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Who may connect: tokens, how fast they can be guessed, whose socket it is, and what the client too many is told.
+# Who may connect: tokens and how fast they can be guessed, owners of sockets, and what a client beyond the limit is told.
 . "$(dirname "$0")/common.sh"
 make_room
 small="--scene room.obj --size 256x128 --gaze synthetic:2"

@@ -1,5 +1,5 @@
 #!/bin/sh
-# From samples to a gaze to render for: what is decided and why is in the stream; freezing, recentring, listing trackers.
+# From samples to an aim: the stream tells what is decided and why; freezing, recentring, listing trackers.
 . "$(dirname "$0")/common.sh"
 make_room
 export XDG_STATE_HOME="$place/state"

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Whatever is wrong with what fovead is given: one clear line that names it, a status that is not 0, and no hang.
+# Bad input of any kind gives one clear line that names the fault, a status that is not 0, and no hang.
 . "$(dirname "$0")/common.sh"
 make_room
 make_log

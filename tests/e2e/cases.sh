@@ -1,6 +1,7 @@
 #!/bin/sh
-# Scenes whose light can be said beforehand: ../shared/cases/scene holds them, each for a kind of fault. The unit tests
-# hold the kinds with scenes of their own; this renders the files as an artist would, and is skipped where they are absent.
+# Scenes whose light is known in advance, each for a kind of fault: the files in ../shared/cases/scene. The unit tests
+# have scenes of their own for each kind; this test renders the files as an artist would, and is skipped where they are
+# absent.
 . "$(dirname "$0")/common.sh"
 cases=$source/../shared/cases/scene
 [ -d "$cases" ] || { echo "skipped: $cases is not here"; exit 77; }

@@ -1,6 +1,6 @@
 #!/bin/sh
-# foveactl compare: what is said of two pictures, its limit for scripts, and what is refused. FLIP's values have their
-# own test (renderer_metric).
+# foveactl compare: its output for people and scripts, and what it refuses. FLIP's values have their own test
+# (renderer_metric).
 . "$(dirname "$0")/common.sh"
 make_room
 

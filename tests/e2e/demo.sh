@@ -1,5 +1,5 @@
 #!/bin/sh
-# The first of the two commands, in a tree of its own: what it promises to leave is there and holds a picture.
+# The first of the two commands, in a tree of its own: the pictures that it promises are there, and show something.
 set -eu
 programs=$1 tree=$2
 copy=$(mktemp -d)

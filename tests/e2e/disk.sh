@@ -1,5 +1,5 @@
 #!/bin/sh
-# A disk of 64 KiB: whatever is written to it, no success is reported for what is not whole, and nothing old is lost.
+# Writing to a disk of 64 KiB: no program reports success for a file that is not whole, and no old file is lost.
 [ -n "${DISK_OWN-}" ] || {
     export DISK_OWN=1
     # Mounts that nobody else sees, and that go with this script.

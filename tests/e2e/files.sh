@@ -1,6 +1,6 @@
 #!/bin/sh
-# Files that break programs: a scene, or anything that it names, is drawn or refused in one line, and never takes the
-# daemon with it, keeps it waiting, or writes to the terminal what moves its cursor.
+# Files that break programs: a scene and the files that it names are drawn, or refused in one line. They never crash the
+# daemon, make it wait, or write control characters to the terminal.
 . "$(dirname "$0")/common.sh"
 make_room
 

@@ -1,7 +1,6 @@
-/* What a golden image keeps of a panorama that fovead saved: golden FILE.exr PICTURE.png writes the quarter
- * ahead of the camera, 90 degrees left and right, 45 up and down. All light is brought below 1 by x / (1 + x),
- * so that a bright emitter and a brighter one are still two in 8 bits, and one rare bright path is no white
- * hole. */
+/* golden FILE.exr PICTURE.png: makes a golden image of a panorama that fovead saved: the part ahead of the
+ * camera, 90 degrees left and right, 45 up and down. x / (1 + x) brings all light below 1, so that emitters
+ * of different brightness differ in 8 bits, and one rare bright path makes no white spot. */
 #include <stdio.h>
 #include <stdlib.h>
 

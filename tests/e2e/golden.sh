@@ -1,7 +1,7 @@
 #!/bin/sh
-# Every scene of glTF's features and every Cornell box looks as it did when it was judged by its specification: a few
-# paths a pixel are near the golden image, which had many more. The scenes are data that the project does not own, so
-# this is skipped where they are absent.
+# Every scene of glTF's features and every Cornell box looks as it did when it was checked against the specification: a
+# picture with a few paths per pixel is near the golden image, which had many more. The scenes are data that the project
+# does not own, so this is skipped where they are absent.
 #
 #   golden.sh PROGRAMS SOURCE               compare all
 #   golden.sh PROGRAMS SOURCE make [NAME]   write tests/golden anew, or the one: look at them before they are kept

@@ -1,5 +1,5 @@
 #!/bin/sh
-# What is built for people is built with what the compiler and the linker have against faults in it.
+# Programs that are built for users have the hardening that compiler and linker offer.
 . "$(dirname "$0")/common.sh"
 
 cmake --install "$programs" --prefix "$place/own" >/dev/null

@@ -1,8 +1,8 @@
 #!/bin/sh
-# Programs that are killed in the middle of a save, a recording, a snapshot: no half a file under its name, no part of
-# one after the next start, a log that holds all that was said to be in it, and the picture wherever the signal can be
-# caught. kills.sh PROGRAMS SOURCE [COUNT [SEED]]: so many kills of each kind.
-# Whoever started this with nohup did not mean the programs in it.
+# Programs that are killed during a save, a recording or a snapshot: no file is left half written, no part of a file is
+# left after the next start, a log has all samples that were reported as recorded, and the picture is saved if the signal
+# can be caught. kills.sh PROGRAMS SOURCE [COUNT [SEED]]: so many kills of each kind.
+# If this test runs under nohup, its programs should not.
 [ -n "${DEFAULT_SIGNALS-}" ] || DEFAULT_SIGNALS=1 exec env --default-signal=HUP sh "$0" "$@"
 . "$(dirname "$0")/common.sh"
 count=${3:-2}

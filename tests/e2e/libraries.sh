@@ -1,5 +1,5 @@
 #!/bin/sh
-# What needs no pictures loads no library for them; what does, works also where it is installed.
+# Programs that need no pictures load no library for pictures; those that do also work once they are installed.
 . "$(dirname "$0")/common.sh"
 
 # loads PROGRAM NUMBER WORD...: it has fewer libraries than that, and none of those. Nothing is loaded later by name: what a

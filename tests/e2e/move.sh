@@ -1,6 +1,6 @@
 #!/bin/sh
-# The camera moves and the scene is edited while it is watched: each begins a new generation of the picture, and nothing of
-# the old one is left in it.
+# The camera moves, and the scene is edited, while clients watch: each begins a new generation of the picture, in which
+# nothing of the old one is left.
 . "$(dirname "$0")/common.sh"
 make_room
 mkdir pictures

@@ -1,5 +1,5 @@
-/* A client that moves the camera faster than it can be followed: every move is answered, generations only go up,
- * the newest move wins, and its generation is the one that is rendered in the end. */
+/* A client that moves the camera faster than the daemon follows: every move is answered, generations only go
+ * up, the newest move wins, and its generation is rendered in the end. */
 #include <math.h>
 #include <stdio.h>
 

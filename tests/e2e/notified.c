@@ -1,4 +1,4 @@
-/* A service manager in small: runs a program with NOTIFY_SOCKET, waits for READY=1, ends it with SIGTERM and
+/* A small service manager: runs a program with NOTIFY_SOCKET, waits for READY=1, ends it with SIGTERM, and
  * waits for STOPPING=1 and status 0. */
 #include <signal.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
-/* Is this an image of that size, finite, with something in every part of it? Prints its mean in thousandths.
- * Given what a daemon saved beside it: has it no black pixel in a tile that more than the outline's paths
- * reached? */
+/* Checks an image: that it has that size, is finite, and has light in every part. Prints its mean in
+ * thousandths. With the film that the daemon saved it also checks that no pixel is black in a tile with more
+ * paths than the outline's. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* Prints a TCP port of the loopback that nobody listens on just now. */
+/* Prints a TCP port of loopback on which nobody listens now. */
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <stdio.h>

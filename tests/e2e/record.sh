@@ -1,5 +1,5 @@
 #!/bin/sh
-# Recording gaze: what is recorded replays as it was, and a daemon that is killed leaves all but its last second.
+# Recording gaze: a recording replays as it was, and a daemon that is killed loses its last second at most.
 . "$(dirname "$0")/common.sh"
 make_room
 make_log

@@ -1,5 +1,5 @@
 #!/bin/sh
-# The systemd unit for a user's own daemon: where it is installed, what it starts, and how little that may do.
+# The systemd unit for a user's own daemon: where it is installed, what it starts, and what that may not do.
 . "$(dirname "$0")/common.sh"
 
 # Quotes and per cent signs are systemd's own.

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Sockets and the end: whose they are, what is left behind, who may connect.
+# Sockets at the end of a daemon: their owner, what is left of them, and who may connect.
 . "$(dirname "$0")/common.sh"
 make_room
 small="--scene room.obj --size 256x128 --gaze synthetic:2"

@@ -1,6 +1,7 @@
 #!/bin/sh
-# A real scene under a real recording, start to end: what a client shows where samples fell is finite and not black, but for
-# one pixel in 100,000. Both are data that the project does not own, so it is skipped where they are absent.
+# A real scene with a real recording, from start to end: where samples fell, all but one pixel in 100,000 of the
+# client's picture are finite and not black. Both are data that the project does not own, so this is skipped where they
+# are absent.
 . "$(dirname "$0")/common.sh"
 data=$source/../shared/data
 log=$data/gaze/htc-vive-pro-eye/TESTNA01_360VR_Fist3.csv

@@ -1,5 +1,5 @@
 #!/bin/sh
-# What a client can do: look, freeze, take pictures, have the film saved; over a Unix socket and over TCP.
+# What a client can do over a Unix socket and over TCP: look, freeze, take pictures, have the film saved.
 . "$(dirname "$0")/common.sh"
 make_room
 make_log

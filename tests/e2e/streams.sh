@@ -1,7 +1,7 @@
 #!/bin/sh
 # What programs are given and what becomes of it: closed descriptors, output that cannot be written, signals that come
 # together, daemons that die, pictures that never rest.
-# Whoever started this with nohup did not mean the programs in it.
+# If this test runs under nohup, its programs should not.
 [ -n "${DEFAULT_SIGNALS-}" ] || DEFAULT_SIGNALS=1 exec env --default-signal=HUP sh "$0" "$@"
 . "$(dirname "$0")/common.sh"
 make_room

@@ -1,6 +1,6 @@
 #!/bin/sh
-# An eye tracker that comes while a recording is replayed, among umockdev's fake devices: the stream tells of it, what
-# recentring does is kept for the next start, and its recording replays.
+# An eye tracker that is plugged in while a recording is replayed, among umockdev's fake devices: the stream tells of
+# it, its recentring is kept for the next start, and its recording replays.
 . "$(dirname "$0")/common.sh"
 if ! [ -x "$programs/device_plug" ] || ! command -v umockdev-wrapper >/dev/null; then
     echo "skipped: umockdev is not installed (sh daemon/setup.sh tests)"

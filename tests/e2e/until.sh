@@ -1,5 +1,5 @@
 #!/bin/sh
-# Renders that end by themselves: when they are done, and what they leave.
+# Renders that end by themselves: when they end, and what they write.
 . "$(dirname "$0")/common.sh"
 make_room
 make_log

@@ -1,10 +1,9 @@
-/* Fuzzing of --watch: what files are called that come and go in the folder of a scene, and what files the
- * scene names.
+/* Fuzzing of --watch: the names of files that change in a scene's folder, and the files that the scene names.
  *
- * An input is up to four names, one a line, an empty line, and the paths that the scene names, one a line.
- * Files of these names are made in a folder that is really watched; those count that the scene names. See
- * fuzz.h. The source is included, since what it has to be asked is nobody else's; what it calls to take an
- * edit up is not reached. */
+ * An input is up to four names, one per line, an empty line, and the paths that the scene names, one per
+ * line. Files with the first names are made in a folder that is watched; those that the scene names must
+ * count. See fuzz.h. This file includes edits.c, as it calls static functions; the functions that take up an
+ * edit are not reached. */
 #include "fuzz.h"
 
 #include <fcntl.h>

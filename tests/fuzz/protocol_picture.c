@@ -1,8 +1,8 @@
-/* Fuzzing of the picture that a client puts together: whatever film a daemon tells of and whatever tiles it
- * sends, the picture is of that size and finite.
+/* Fuzzing of the picture that a client puts together: whatever film and tiles a daemon sends, the picture has
+ * the film's size and is finite.
  *
- * An input is a stream of frames, as client.c takes them: a Welcome begins a picture, tiles go into it. See
- * fuzz.h. */
+ * An input is a stream of frames, as client.c takes them: a Welcome begins a picture, and tiles go into it.
+ * See fuzz.h. */
 #include "fuzz.h"
 
 #include "internal.h"

@@ -1,9 +1,8 @@
-/* Fuzzing of pictures that scenes and users name: any bytes either are pixels, all of them there, or one line
- * of error.
+/* Fuzzing of pictures: any bytes are either a whole picture or one line of error.
  *
- * The first byte chooses how the file is called and what it is read for, the rest is the file. See fuzz.h.
- * What a picture says of its size is a stranger's word: there is memory for small ones alone, as there is
- * little in a child that reads a scene. */
+ * The first byte chooses the name of the file and what its pixels are used for; the rest is the file. See
+ * fuzz.h. Memory suffices only for small pictures, as in a process that reads pictures of a scene, so that a
+ * false size is refused. */
 #include "fuzz.h"
 
 #include "import/image_io.h"

@@ -1,8 +1,7 @@
-/* Fuzzing of what is read of an OBJ and its MTL beside assimp: any text gives materials whose numbers can be
- * used.
+/* Fuzzing of our own reading of OBJ and MTL files: any text gives materials with usable numbers.
  *
- * What stands before a line of three dashes is the OBJ, the rest its x.mtl; without such a line all is x.mtl.
- * See fuzz.h. */
+ * The text before a line of three dashes is the OBJ file, the rest its x.mtl; without such a line all is
+ * x.mtl. See fuzz.h. */
 #include "fuzz.h"
 
 #include "import/mtl_file.h"

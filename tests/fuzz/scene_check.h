@@ -1,4 +1,4 @@
-/* Do the parts of a scene hold together as the renderer takes for granted? Ends the program if not. */
+/* Checks of a scene everything that the renderer assumes. Ends the program if something is wrong. */
 #ifndef FOVEAD_TEST_SCENE_CHECK_H
 #define FOVEAD_TEST_SCENE_CHECK_H
 

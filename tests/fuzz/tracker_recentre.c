@@ -1,5 +1,5 @@
-/* Fuzzing of the file that keeps the rotation of recentring: any bytes either are a rotation, which is kept
- * as it is when it is written again, or one line of error. See fuzz.h. */
+/* Fuzzing of the file with the rotation of recentring: any bytes are either a rotation, which is the same
+ * after it was written again, or one line of error. See fuzz.h. */
 #include "fuzz.h"
 
 #include "tracker.h"

@@ -1,5 +1,5 @@
-/* Files appear whole or not at all: full disks, files that are there, parts of killed programs. Everything
- * twice: with files that have no name until they are whole, and where the file system has none. */
+/* Files appear whole or not at all: full disks, existing files, parts of killed programs. Every test runs
+ * twice: with files that have no name until they are whole, and as on a file system without such files. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

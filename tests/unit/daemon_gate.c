@@ -1,5 +1,5 @@
-/* The gate: guesses of a token come one a second from wherever, and who knows it is kept waiting no longer
- * than that. */
+/* The gate: guesses of a token are checked one per second, wherever they come from, and a right token does
+ * not wait longer than that. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
-/* Listening: of daemons that begin at once one gets the socket, nobody else's clients come in, and what is
- * asked of TCP. */
+/* Listening: one of several daemons that start at once gets the socket, clients of other users are refused,
+ * and the conditions for TCP. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,4 +1,4 @@
-/* What a client is sent next, without a ray: states in, places out. */
+/* Which tiles a client is sent next. Nothing is rendered: what is known of tiles in, places out. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

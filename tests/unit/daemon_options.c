@@ -1,4 +1,4 @@
-/* What fovead makes of its command line, when a render is done, and the small things both programs share. */
+/* fovead's command line, when a render is done, and small functions that both programs share. */
 #include <fcntl.h>
 #include <math.h>
 #include <setjmp.h>

@@ -1,7 +1,7 @@
-/* Frames: what goes in comes out, however it is cut up; what is no message is refused at once and cheaply.
+/* Frames: messages come out as they went in, however the bytes are cut up; bytes that are no message are
+ * refused at once and cheaply.
  *
- * Linked with --wrap=malloc and --wrap=realloc, so that what the protocol allocates can be counted.
- */
+ * Linked with --wrap=malloc and --wrap=realloc, to count what the protocol allocates. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

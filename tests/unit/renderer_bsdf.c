@@ -1,5 +1,5 @@
-/* What paths draw from, by itself: materials, whose draws follow the density stated and whose weights are
- * what BSDF and density say, reciprocal, with no light from nothing; and tables of weights. */
+/* Sampling without a render. Materials: draws follow the stated density, weights are BSDF over density,
+ * reciprocal, and make no light. And alias tables. */
 #include "renderer_bsdf.h"
 
 static const struct case_of_bsdf cases[] = {

@@ -1,5 +1,5 @@
-/* Clear glass: lights reach a surface straight through glass. Where light goes straight through it in truth,
- * the picture is the same as without; where it does not, the bias is printed and held to a bar. */
+/* The option clear_glass: light reaches a surface straight through glass. Where light really passes straight,
+ * the picture is the same as without the option; elsewhere the bias is printed and limited. */
 #include "renderer_parts.h"
 
 static struct rnd_scene *load(const char *path, const char *env, const float *sun, const float *camera,

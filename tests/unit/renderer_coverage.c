@@ -1,4 +1,4 @@
-/* How sheets look: their coverage, their backs, and texels that are not filtered. */
+/* Coverage of sheets, their backs, and textures without filter. */
 #include "renderer_materials.h"
 
 /* A black sheet at y = 0 under a white sky: what is seen of the sky below it, to the left and to the right.

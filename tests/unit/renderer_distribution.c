@@ -1,6 +1,5 @@
-/* Where samples fall: the acuity model and its inversions, and every distribution against the density that it
- * states. The numbers fed in owe nothing to the renderer's own sampler; seeds are fixed.
- */
+/* Where samples fall: the acuity model and its inversions, and every distribution against its stated density.
+ * The random numbers are not those of the renderer's sampler; their seeds are fixed. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

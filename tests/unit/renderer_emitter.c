@@ -1,5 +1,5 @@
-/* Emissive surfaces that are not even: with holes, half there, or bright in some places alone. What they give
- * is the same by all ways that find it, and what is bright is found as soon as what is large. */
+/* Uneven emissive surfaces: with holes, with coverage of one half, or bright only in places. Their light is
+ * the same by all ways of finding it, and a small bright spot is found as soon as a large area. */
 #include "renderer_parts.h"
 
 #include "light/light.h"

@@ -1,4 +1,4 @@
-/* glTF files that load without a word, with a warning, or not at all: for tests of what glTF means. */
+/* Loads glTF files for tests, and expects no warning, a warning, or an error. */
 #ifndef FOVEAD_TESTS_RENDERER_GLTF_H
 #define FOVEAD_TESTS_RENDERER_GLTF_H
 

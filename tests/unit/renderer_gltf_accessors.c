@@ -1,5 +1,5 @@
-/* Numbers in glTF: every way to write the same ones means the same, and what is out of order is named with
- * its place in the file. */
+/* Numbers in glTF: all ways to write the same numbers give the same, and faults are named with their place in
+ * the file. */
 #include "renderer_gltf.h"
 
 /* Texture coordinates (0, 1/2), (1/2, 1) ... of all components, packed and at a stride of 8. */

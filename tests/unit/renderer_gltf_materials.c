@@ -1,4 +1,4 @@
-/* What glTF says of materials and maps, as it is in the scene. */
+/* glTF materials and maps, as they come into the scene. */
 #include "renderer_materials.h"
 
 static void all_factors(void **state)

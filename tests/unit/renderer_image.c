@@ -1,4 +1,4 @@
-/* Pictures: written and read, seen through a rectilinear view, and measured. */
+/* Pictures: written, read, and seen through a rectilinear view. */
 #include "renderer_files.h"
 
 static const double deg = M_PI / 180.0;

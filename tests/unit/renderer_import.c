@@ -1,5 +1,5 @@
-/* Scene files: what cannot be used is refused with one line that names the file, and what can be used means
- * what its format says. */
+/* Scene files: unusable ones are refused with one line that names the file; others are read as their format
+ * says. */
 #include "renderer_files.h"
 
 #include <dirent.h>

@@ -1,5 +1,5 @@
-/* Lights by themselves: what is drawn of them follows the density stated, which integrates to one; a
- * sphere of light gives what its closed form says; and points ask the lights that reach them. */
+/* Lights without a render: draws follow the stated density, which integrates to one; a sphere of light agrees
+ * with its closed form; and points ask the lights that reach them. */
 #include "path/survey.h"
 #include "renderer_files.h"
 #include "light/area.h"
@@ -172,8 +172,8 @@ static void sphere_of_light(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* An emitter in a closed box under the sun: who is in the box asks the emitter, who stands outside asks the sun, and
- * neither forgets the other. */
+/* An emitter in a closed box under the sun: who is in the box asks the emitter, who stands outside asks the
+ * sun, and neither forgets the other. */
 static void survey(void **state)
 {
     (void)state;
@@ -265,8 +265,8 @@ static double below(const char *path, const float camera[3], int group, float *o
     return radiance;
 }
 
-/* A room with an emitter, and the same room in a house of twelve: there its emitter is asked nearly as often, and
- * the picture is no other. */
+/* A room with an emitter, and the same room in a house of twelve: there its emitter is asked nearly as often,
+ * and the picture is no other. */
 static void house(void **state)
 {
     (void)state;

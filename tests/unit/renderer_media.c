@@ -1,5 +1,5 @@
-/* Media that touch, overlap and lie in each other: no light is made or lost at their borders, and what lies
- * behind them is seen where Snell, Fresnel and Beer say. */
+/* Media that touch, overlap and lie in each other: no light is made or lost at their borders, and things
+ * behind them are seen where Snell, Fresnel and Beer say. */
 #include "renderer_parts.h"
 
 #include "path/media.h"

@@ -1,4 +1,4 @@
-/* What MTL files say of materials and maps, as it is in the scene. */
+/* MTL materials and maps, as they come into the scene. */
 #include "renderer_materials.h"
 
 #include <sys/stat.h>

@@ -1,5 +1,4 @@
-/* Reading by other programs: textures that do without their finest levels, large pictures, and what ends with
- * a scene that is not wanted any more. */
+/* Reading by other programs: textures without their finest levels, large pictures, and cancelled scenes. */
 #include "renderer_files.h"
 
 #include "import/textures.h"

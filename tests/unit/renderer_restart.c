@@ -1,5 +1,5 @@
-/* Restarts: a restarted render is as one that was just created, bit for bit, and whoever reads meanwhile sees
- * one generation at a time. */
+/* Restarts: a restarted render is bit for bit like a new one, and threads that read meanwhile see one
+ * generation at a time. */
 #include "renderer_room.h"
 
 #include <pthread.h>

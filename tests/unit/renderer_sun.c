@@ -1,5 +1,5 @@
-/* A sun is as bright by all ways that find it, however small it is: seen by the camera, in a mirror, and by what
- * it lights. */
+/* A sun of any size is equally bright by all ways of finding it: seen by the camera, in a mirror, and by the
+ * surfaces that it lights. */
 #include "renderer_files.h"
 
 #include "light/light.h"

@@ -1,5 +1,5 @@
-/* What maps make of a material at a hit: factors, texture transforms, the second set of texture coordinates,
- * vertex colours, normal maps. */
+/* The material at a hit: factors, texture transforms, the second set of texture coordinates, vertex colours,
+ * normal maps. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
-/* The gaze decides how soon a pixel is known, never what it is: a room rendered around a gaze that wanders
- * has the same mean in every tile as one rendered evenly. */
+/* The gaze decides how soon a pixel converges, never to what: a room that is rendered around a wandering gaze
+ * has the same mean in every tile as one that is rendered evenly. */
 #include "renderer_files.h"
 
 enum {

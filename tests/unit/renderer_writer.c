@@ -1,4 +1,4 @@
-/* Pictures written by fovead-image: what comes out, what cannot be written, and who may end meanwhile. */
+/* Pictures written by fovead-image: the files, failures to write, and processes that end meanwhile. */
 #include "renderer_files.h"
 #include "renderer_parts.h"
 

@@ -1,5 +1,4 @@
-/* Statistics for tests: uniform numbers that owe nothing to the renderer's sampler, and the chi-square test.
- */
+/* Statistics for tests: uniform numbers that are not the renderer's, and the chi-square test. */
 #ifndef FOVEAD_TESTS_STATISTICS_H
 #define FOVEAD_TESTS_STATISTICS_H
 

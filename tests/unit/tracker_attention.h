@@ -1,4 +1,4 @@
-/* Attention, sample by sample: what tests tell it and what they expect of it. */
+/* Feeds an attention sample by sample, for tests, and checks its aims. */
 #ifndef FOVEAD_TESTS_TRACKER_ATTENTION_H
 #define FOVEAD_TESTS_TRACKER_ATTENTION_H
 

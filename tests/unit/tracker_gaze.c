@@ -1,4 +1,4 @@
-/* Which samples have a gaze, and where it is: the same for whatever steers, counts or reports. */
+/* Which samples have a gaze, and where it is: one rule for steering, counting and reporting. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,4 +1,4 @@
-/* Report descriptors: what the tests of their parser and of the decoder of reports share. */
+/* What the tests of the parser of report descriptors and of the decoder of reports share. */
 #ifndef FOVEAD_TESTS_TRACKER_HID_H
 #define FOVEAD_TESTS_TRACKER_HID_H
 

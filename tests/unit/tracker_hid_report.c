@@ -1,4 +1,4 @@
-/* Reports of eye trackers: requests to them, and the rays that gaze points, eyes and heads become. */
+/* HID reports of eye trackers: requests to them, and gaze rays from gaze points, eyes and heads. */
 #include "tracker_hid.h"
 
 static void mode_is_encoded_in_its_range(void **state)

@@ -1,4 +1,4 @@
-/* What to render for while no gaze is known: held, widened, given up, believed again. */
+/* What to render for while no gaze is known: the aim is held, widened, given up, and taken up again. */
 #include "tracker_attention.h"
 
 static void before_the_first_gaze(void **state)

@@ -1,4 +1,4 @@
-/* Recentring: what a look at a target corrects, and the file that keeps it. */
+/* Recentring: the correction by looking at a target, and the file that keeps it. */
 #include "tracker_attention.h"
 
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* The samples of a log, as tests look at them. */
+/* Access to the samples of a log, for tests. */
 #ifndef FOVEAD_TESTS_TRACKER_SAMPLES_H
 #define FOVEAD_TESTS_TRACKER_SAMPLES_H
 

@@ -1,6 +1,5 @@
-/* Logs whose headers leave something open, or whose rows hold less than their headers promise, as exports of
- * the field do: what each reader makes of them, and what it says that it took for granted. The rows are made.
- */
+/* Logs with headers that leave something open, or with rows that have less than their headers promise, as
+ * real exports do: what each reader makes of them, and what it says that it assumed. The rows are made up. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
