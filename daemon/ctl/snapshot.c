@@ -47,7 +47,7 @@ static bool is_image(const char *path)
 static bool gather(struct snapshot *snapshot)
 {
     const struct ctl *ctl = snapshot->ctl;
-    uint64_t began_ns = dmn_now_ns(), looked_ns = 0, first_ns = 0;
+    uint64_t began_ns = dmn_now_ns(), checked_ns = 0, first_ns = 0;
     bool whole = false;
 
     for (;;) {
@@ -64,7 +64,7 @@ static bool gather(struct snapshot *snapshot)
             if (message->tile->generation > snapshot->generation) {
                 snapshot->generation = message->tile->generation;
                 whole = false;
-                looked_ns = 0;
+                checked_ns = 0;
             }
         }
         /* Before the first gaze sample there is an aim, but no gaze. */
@@ -75,9 +75,9 @@ static bool gather(struct snapshot *snapshot)
             snapshot->has_gaze = true;
         }
         if (result == PRO_MESSAGE) fovea__message__free_unpacked(message, NULL);
-        if (!whole && now_ns - looked_ns >= CHECK_NS) {
+        if (!whole && now_ns - checked_ns >= CHECK_NS) {
             snapshot->coverage = pro_picture_coverage(pro_picture(snapshot->client));
-            looked_ns = now_ns;
+            checked_ns = now_ns;
             whole = snapshot->coverage >= 1;
             if (whole && !first_ns) first_ns = now_ns;
         }

@@ -26,7 +26,7 @@ enum { WITHOUT, WITH, UNUSED, HIDDEN, WAYS };
 struct feature {
     const char *name, *against;
     struct room room;       /* with it */
-    enum room_parts before; /* parts that have the look without it */
+    enum room_parts before; /* parts that have the surface without it */
     bool sun;
     bool unused, hidden; /* can it be in the file alone, and where no ray comes? */
 };
@@ -43,7 +43,7 @@ struct feature {
 #define EXTENDED(EXTENSIONS) GLOSSY ",'extensions':{" EXTENSIONS "}}"
 #define GLOWING              NON_METAL(GREY) ",'emissiveFactor':[8,8,8]}"
 #define MATERIAL(PLAIN, LOOK)                                                                                \
-    .room = {.plain = PLAIN, .look = {.material = LOOK}, .parts = ROOM_ALL}, .unused = true, .hidden = true
+    .room = {.plain = PLAIN, .surface = {.material = LOOK}, .parts = ROOM_ALL}, .unused = true, .hidden = true
 #define WHOLE(...) .room = {.plain = DIFFUSE, __VA_ARGS__}
 
 static const struct feature feature[] = {
@@ -53,7 +53,7 @@ static const struct feature feature[] = {
      MATERIAL(NON_METAL(PAINTED) "}",
               NON_METAL(",'baseColorTexture':{'index':0,'extensions':{'KHR_texture_transform':"
                         "{'rotation':0.5,'scale':[1.1,0.9]}}}") "}")},
-    {"vertex colours", "diffuse", .room = {.plain = DIFFUSE, .look = {DIFFUSE, true}, .parts = ROOM_ALL},
+    {"vertex colours", "diffuse", .room = {.plain = DIFFUSE, .surface = {DIFFUSE, true}, .parts = ROOM_ALL},
      .unused = true, .hidden = true},
     {"alpha mask", "base colour texture",
      MATERIAL(NON_METAL(PAINTED) "}", NON_METAL(PAINTED) ",'alphaMode':'MASK'}")},
@@ -75,23 +75,24 @@ static const struct feature feature[] = {
      MATERIAL(GLOSSY "}", EXTENDED("'KHR_materials_transmission':{'transmissionFactor':0.8}"))},
     {"glass with volume, balls", "metal and roughness",
      .room = {.plain = GLOSSY "}",
-              .look = {"{'pbrMetallicRoughness':{'metallicFactor':0,'roughnessFactor':0},'extensions':{"
-                       "'KHR_materials_transmission':{'transmissionFactor':1},'KHR_materials_volume':{"
-                       "'thicknessFactor':0.8,'attenuationDistance':1,'attenuationColor':[0.5,0.8,0.9]}}}",
-                       false},
+              .surface = {"{'pbrMetallicRoughness':{'metallicFactor':0,'roughnessFactor':0},'extensions':{"
+                          "'KHR_materials_transmission':{'transmissionFactor':1},'KHR_materials_volume':{"
+                          "'thicknessFactor':0.8,'attenuationDistance':1,'attenuationColor':[0.5,0.8,0.9]}}}",
+                          false},
               .parts = ROOM_BALLS},
      .unused = true, .hidden = true},
     {"clear panes, balls", "metal and roughness",
      .room = {.plain = GLOSSY "}",
-              .look = {"{'pbrMetallicRoughness':{'metallicFactor':0,'roughnessFactor':0},'extensions':{"
-                       "'KHR_materials_transmission':{'transmissionFactor':1}}}",
-                       false},
+              .surface = {"{'pbrMetallicRoughness':{'metallicFactor':0,'roughnessFactor':0},'extensions':{"
+                          "'KHR_materials_transmission':{'transmissionFactor':1}}}",
+                          false},
               .parts = ROOM_BALLS},
      .unused = true, .hidden = true},
     {"emission, 12 triangles", "diffuse",
-     .room = {.plain = DIFFUSE, .look = {GLOWING, false}, .parts = ROOM_PANEL}, .unused = true},
+     .room = {.plain = DIFFUSE, .surface = {GLOWING, false}, .parts = ROOM_PANEL}, .unused = true},
     {"emission, 10000 triangles", "12 triangles",
-     .room = {.plain = DIFFUSE, .look = {GLOWING, false}, .parts = ROOM_MESHED_PANEL}, .before = ROOM_PANEL},
+     .room = {.plain = DIFFUSE, .surface = {GLOWING, false}, .parts = ROOM_MESHED_PANEL},
+     .before = ROOM_PANEL},
     {"sun", "diffuse", WHOLE(.instances = false), .sun = true},
     {"three punctual lights", "diffuse", WHOLE(.punctual = ROOM_ALL), .unused = true},
     {"16 balls of one mesh", "16 meshes", WHOLE(.instances = true)},
@@ -110,8 +111,8 @@ static struct rnd_scene *load(const char *directory, const struct feature *f, in
         room.parts = way == WITHOUT ? f->before : way == UNUSED ? ROOM_UNUSED : ROOM_HIDDEN;
         if (room.punctual == ROOM_ALL) room.punctual = way == UNUSED ? ROOM_UNUSED : ROOM_NOTHING;
         room.instances = false;
-        if (!room.look.material) room.parts = ROOM_NOTHING;
-        if (room.parts == ROOM_NOTHING) room.look = (struct room_look){0};
+        if (!room.surface.material) room.parts = ROOM_NOTHING;
+        if (room.parts == ROOM_NOTHING) room.surface = (struct room_surface){0};
     }
     return room_load(directory, &room, f->sun && way == WITH, out_error);
 }
@@ -305,7 +306,7 @@ static bool judge(const struct figures *figures)
     bool ok = true;
     for (int i = 0; i < FEATURES; i++) {
         const struct feature *f = &feature[i];
-        const bool *same = figures[i].same, shows = f->room.look.material || f->room.punctual || f->sun;
+        const bool *same = figures[i].same, shows = f->room.surface.material || f->room.punctual || f->sun;
         if (f->unused && !same[UNUSED]) ok = complain(f, "changes the picture though nothing uses it");
         if (f->hidden && !same[HIDDEN]) ok = complain(f, "changes the picture though no ray meets it");
         if (shows && same[WITH]) ok = complain(f, "does not change the picture");

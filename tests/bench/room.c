@@ -269,7 +269,7 @@ static json_t *accessors(void)
     return list;
 }
 
-static bool has_look(const struct room *room, int m)
+static bool has_surface(const struct room *room, int m)
 {
     const bool is_ball = m >= BALL && m <= BALL_AT_ORIGIN;
     switch (room->parts) {
@@ -288,17 +288,17 @@ static bool has_look(const struct room *room, int m)
     }
 }
 
-/* The meshes of the buffer by their numbers, and one more that has the look. */
+/* The meshes of the buffer by their numbers, and one more that has the surface. */
 static json_t *meshes(const struct room *room)
 {
     json_t *list = json_array();
     for (int m = 0; m <= MESHES; m++) {
-        const bool look = m == MESHES || has_look(room, m);
+        const bool other = m == MESHES || has_surface(room, m);
         const int a = 5 * (m < MESHES ? m : HIDDEN);
         json_t *attributes = json_pack("{s:i,s:i,s:i}", "POSITION", a, "NORMAL", a + 1, "TEXCOORD_0", a + 2);
-        if (look && room->look.colours) json_object_set_new(attributes, "COLOR_0", json_integer(a + 3));
+        if (other && room->surface.colours) json_object_set_new(attributes, "COLOR_0", json_integer(a + 3));
         json_array_append_new(list, json_pack("{s:[{s:o,s:i,s:i}]}", "primitives", "attributes", attributes,
-                                              "indices", a + 4, "material", look));
+                                              "indices", a + 4, "material", other));
     }
     if (room->parts != ROOM_UNUSED) json_array_remove(list, MESHES);
     return list;
@@ -331,7 +331,7 @@ static json_t *room_json(const struct room *room)
     for (size_t i = 0; i < json_array_size(all); i++)
         json_array_append_new(in_scene, json_integer((json_int_t)i));
     json_array_append_new(materials, quoted(room->plain));
-    if (room->look.material) json_array_append_new(materials, quoted(room->look.material));
+    if (room->surface.material) json_array_append_new(materials, quoted(room->surface.material));
     json_t *root = json_pack("{s:{s:s},s:i,s:[{s:o}],s:o,s:[{s:s,s:{s:f,s:f}}],s:o,s:o,s:o}", "asset",
                              "version", "2.0", "scene", 0, "scenes", "nodes", in_scene, "nodes", all,
                              "cameras", "type", "perspective", "perspective", "yfov", 1.0, "znear", 0.1,

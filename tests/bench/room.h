@@ -8,7 +8,7 @@
 #include "renderer.h"
 
 /* A material and what goes with it. */
-struct room_look {
+struct room_surface {
     const char *material; /* glTF's JSON, with ' for "; see the images in room.c */
     bool colours;         /* the vertices have colours */
 };
@@ -25,7 +25,7 @@ enum room_parts {
 
 struct room {
     const char *plain; /* material of the parts that do not have the look */
-    struct room_look look;
+    struct room_surface surface;
     enum room_parts parts; /* that have it */
     enum room_parts
         punctual;   /* three punctual lights: ROOM_ALL, ROOM_UNUSED (in the file only), ROOM_NOTHING */
