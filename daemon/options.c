@@ -225,7 +225,7 @@ static const struct dmn_option ROWS[] = {
      .wants = "a width that is a multiple of 128, up to 32768, and half of it as height"},
     {.name = "bounces",
      .argument = "N",
-     .help = "longest path; 0, the default: Russian roulette alone ends a path",
+     .help = "most bounces of a path; default: 0, which leaves it to Russian roulette to end paths",
      INTO(render.max_bounces),
      .whole = {0, 1024}},
     {.name = "clamp",

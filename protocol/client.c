@@ -208,7 +208,7 @@ static bool check_camera(const struct pro_client *client, const float *camera, s
                          char out_error[PRO_ERROR_SIZE])
 {
     return ((count == 0 || count == 3) && all_finite(camera, count)) ||
-           pro_fail(out_error, "%s sent a camera that is nowhere", client->name);
+           pro_fail(out_error, "%s sent an impossible position of the camera", client->name);
 }
 
 /* Check and take a message. The first one must be Welcome, or Done in its place; a second Welcome is refused.

@@ -337,7 +337,8 @@ static void out_of_place(void **state)
     (void)state;
     for (int i = 0; i <= 3; i++) assert_breaks(script_out_of_place, i, "a gaze of no direction");
     assert_breaks(script_out_of_place, 7, "a gaze of no direction");
-    for (int i = 8; i <= 10; i++) assert_breaks(script_out_of_place, i, "a camera that is nowhere");
+    for (int i = 8; i <= 10; i++)
+        assert_breaks(script_out_of_place, i, "an impossible position of the camera");
     assert_breaks(script_out_of_place, 4, "a message of kind 16 out of place");
     assert_breaks(script_out_of_place, 5, "a message of kind 4 out of place");
     assert_breaks(script_out_of_place, 6, "a message of kind 7 out of place");
