@@ -1,6 +1,6 @@
 #!/bin/sh
-# Proves the two commands on a machine that has nothing: a minimal Debian root made by debootstrap, with a clone of this
-# tree in it; there `sh daemon/demo.sh` and then `sh tests/run.sh`. Needs root. Mirror, keyring and apt's settings are
+# Tests the two commands on a bare machine: a minimal Debian root made by debootstrap, with a clone of this tree in it;
+# there it runs `sh daemon/demo.sh` and then `sh tests/run.sh`. Needs root. Mirror, keyring and apt's settings are
 # those of the machine that it runs on. The demonstration's pictures are left in out/fresh/.
 set -eu
 cd "$(dirname "$0")/.."

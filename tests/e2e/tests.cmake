@@ -1,4 +1,4 @@
-# End-to-end tests: the real programs, run by scripts, with what scripts cannot do as small programs.
+# End-to-end tests: scripts that run the real programs, and small programs for what scripts cannot do.
 foreach(program compare false_daemon golden hostile mean moves notified picture port)
   add_executable(e2e_${program} e2e/${program}.c)
 endforeach()
@@ -15,16 +15,16 @@ foreach(name access attention bad_input compare disk files hostile kills librari
   add_test(NAME e2e_${name} COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/e2e/${name}.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
   set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" SKIP_RETURN_CODE 77)
 endforeach()
-# What has clients and threads at once is for the thread sanitizer too.
+# Tests with clients and threads at once, which the thread sanitizer runs too.
 set_tests_properties(e2e_attention e2e_hostile e2e_move e2e_record e2e_shutdown e2e_steer e2e_streams e2e_virtual PROPERTIES LABELS "e2e;threads")
 
-# What a new user types first, real scenes and many small ones; they take long, so once is enough.
+# What a new user types first, real scenes, and many small ones. They take long, so they run only in one build.
 if(NOT SANITIZE)
   foreach(name cases demo golden readme sponza)
     add_test(NAME e2e_${name} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/e2e/${name}.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
     set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" SKIP_RETURN_CODE 77)
   endforeach()
-  # Sanitizers have their own of what is looked for here.
+  # A build with sanitizers is not hardened in the way that these tests check.
   foreach(name hardened service)
     add_test(NAME e2e_${name} COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/e2e/${name}.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
     set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" SKIP_RETURN_CODE 77)
