@@ -52,7 +52,7 @@ static bool write_rows(FILE *table, const struct trk_log *log, bool with_pupil)
     return file && gzclose(file) == Z_OK && ok;
 }
 
-/* The eye that the gaze is of, if it is of one alone. */
+/* The eye of the gaze, if only one was recorded. */
 static const char *recorded_eye(uint32_t seen)
 {
     bool left = seen & TRK_LEFT_DIRECTION, right = seen & TRK_RIGHT_DIRECTION;

@@ -4,10 +4,10 @@
 
 #include "log/reading.h"
 
-/* The ns of a tick: what the options say, else own_ns. */
+/* The ns of a tick: that of the options, else own_ns. */
 double trk_time_unit(const struct trk_reading *reading, double own_ns);
 
-/* How far a time may go back and still count as the time before it: trackers and hosts stamp in a hurry. */
+/* How far a time may go back and still count as the time before it: stamps are not exact. */
 #define TRK_MAX_STEP_BACK_NS UINT64_C(100000000)
 
 /* A clock that counts from its first time and never goes back. A time that is a little earlier than the last

@@ -22,7 +22,7 @@ bool trk_lines_fail(const struct trk_lines *lines, char out_error[TRK_ERROR_SIZE
     return false;
 }
 
-/* Unpack more. False at the end of the file, and with a message on failure, which *out_failed tells. */
+/* Unpack more. False at the end of the file; also on failure, with a message and *out_failed set. */
 static bool fill(struct trk_lines *lines, bool *out_failed, char out_error[TRK_ERROR_SIZE])
 {
     int count = gzread(lines->file, lines->buffer, sizeof lines->buffer), code;
@@ -42,8 +42,8 @@ static bool fill(struct trk_lines *lines, bool *out_failed, char out_error[TRK_E
     return !*out_failed && lines->filled > 0;
 }
 
-/* Is there nothing but zero bytes from there on, as a machine that crashed leaves them at a file's end? The
- * buffer is used up if so. */
+/* Are all bytes from there on zero, as at the end of a file after a crash of the machine? If so, the buffer
+ * is used up. */
 static bool is_zero_to_end(struct trk_lines *lines, size_t at, char out_error[TRK_ERROR_SIZE])
 {
     bool failed;

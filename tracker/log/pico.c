@@ -55,7 +55,7 @@ static bool read_row(void *context, struct trk_sample *sample, char out_error[TR
             return false;
         trk_set_openness(sample, eye, openness);
     }
-    /* A status that is not written says nothing. */
+    /* A status that is missing means nothing. */
     if (!(status[0] == 0 && status[1] == 0)) trk_set_direction(sample, 2, gaze, &reader->frame);
     for (int i = 0; i < 3; i++)
         if (isnan(position[i])) position[i] = 0;

@@ -97,7 +97,7 @@ static int eye_of(const struct core *core)
     return seen[0] == seen[1] ? -1 : seen[1] ? 1 : 0;
 }
 
-/* The way to the point, and what it says of the camera. */
+/* Take the vector to the point as direction, and for the fit of the camera. */
 static void take_point(struct core *core, const float point[3], const double norm[2],
                        struct trk_sample *sample)
 {
@@ -112,7 +112,7 @@ static void take_point(struct core *core, const float point[3], const double nor
     core->fitted++;
 }
 
-/* A place in the picture, which becomes a direction when all rows are read. */
+/* Take a place in the picture; it becomes a direction once all rows are read. */
 static void take_norm_pos(struct core *core, const double norm[2], struct trk_sample *sample)
 {
     const int eye = eye_of(core);

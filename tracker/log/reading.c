@@ -1,4 +1,4 @@
-/* What every reading of a log shares: notes on what was taken for granted, and on the files read. */
+/* What all readers share: notes on assumptions, and on the files that were read. */
 #include "log/reading.h"
 
 #include "error.h"

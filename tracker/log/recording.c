@@ -11,7 +11,7 @@ static bool is_same(const struct trk_recording *a, const struct trk_recording *b
     return strcmp(a->participant, b->participant) == 0 && strcmp(a->name, b->name) == 0;
 }
 
-/* What it is called among these: by its participant too where its name alone would not do. */
+/* Write how a recording is called: with its participant if the name alone is not unique. */
 static void label(const struct trk_reading *reading, const struct trk_recording *recording,
                   char out_label[2 * TRK_RECORDING_SIZE])
 {
@@ -33,7 +33,7 @@ static bool is_wanted(const struct trk_recording *recording, const char *option)
            strcasecmp(option + length + 1, recording->name) == 0;
 }
 
-/* "" where the row does not say. */
+/* Copy a field; "" if the row has none. */
 static void take(char out[TRK_RECORDING_SIZE], const char *field_or_null)
 {
     const char *field = field_or_null ? field_or_null : "";
@@ -62,7 +62,7 @@ enum trk_recording_row trk_recording_of_row(struct trk_reading *reading, const c
                                                                      : TRK_RECORDING_WANTED;
 }
 
-/* "A, B or C", of those that the option may mean, or of all. */
+/* Write "A, B or C": the recordings that the option may mean, or all. */
 static void list(const struct trk_reading *reading, bool of_option, char *out_text, size_t size)
 {
     const char *option = reading->options->recording;

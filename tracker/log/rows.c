@@ -45,7 +45,7 @@ bool trk_log_append(struct trk_reading *reading, const struct trk_sample *sample
     return append(reading, sample, out_error);
 }
 
-/* Where a sample is, and when it was. */
+/* The index and the time of a sample. */
 struct moment {
     uint64_t device_ns;
     size_t place;
@@ -58,7 +58,7 @@ static int by_time(const void *a, const void *b)
     return (x->place > y->place) - (x->place < y->place);
 }
 
-/* Samples of the same time stay as they are. False when memory is short. */
+/* Sort by time; samples of the same time keep their order. False when memory is short. */
 static bool sort(struct trk_log *log)
 {
     struct moment *moments = malloc(log->count * sizeof *moments);

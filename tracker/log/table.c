@@ -20,7 +20,7 @@ void trk_header_parse(struct trk_header *header, const char *line, char separato
     header->line[length] = '\0';
     header->separator = separator ? separator : trk_separator_of(header->line);
     header->count = trk_split(header->line, header->separator, header->names);
-    /* Empty names at the end are separators too many, which rows may have as well. */
+    /* Empty names at the end come from superfluous separators, which rows may have too. */
     while (header->count > 1 && header->count <= TRK_MAX_FIELDS && *header->names[header->count - 1] == '\0')
         header->count--;
 }
@@ -67,7 +67,7 @@ bool trk_header_has(const struct trk_header *header, const char *const columns[]
     return true;
 }
 
-/* The first of these names that there is. */
+/* The column of the first of these names that the header has; -1: none. */
 static int find_any(const struct trk_header *header, const char *const names[])
 {
     for (int i = 0; names[i]; i++) {
@@ -106,14 +106,15 @@ bool trk_table_need(struct trk_table *table, const char *const names[], int n, i
     return true;
 }
 
-/* Empty fields after the expected ones are separators too many. */
+/* Do not count empty fields after the expected ones: they come from superfluous separators. */
 static size_t count_filled(char *const *fields, size_t count, size_t expected)
 {
     while (count > expected && count <= TRK_MAX_FIELDS && *fields[count - 1] == '\0') count--;
     return count;
 }
 
-/* Rows may be separated by something else than the header: by what makes as many fields of the first one. */
+/* Find the separator of the rows, which may differ from that of the header: one that cuts the first row into
+ * as many fields. */
 static void find_separator(struct trk_table *table)
 {
     const struct trk_header *header = &table->reading->header;
@@ -134,7 +135,7 @@ static void find_separator(struct trk_table *table)
         }
 }
 
-/* *out_is_empty: nothing is in any field. */
+/* Cut a row into its fields. *out_is_empty: all fields are empty. */
 static enum trk_line split(struct trk_table *table, bool *out_is_empty, char out_error[TRK_ERROR_SIZE])
 {
     struct trk_lines *lines = &table->reading->lines;
@@ -152,7 +153,7 @@ static enum trk_line split(struct trk_table *table, bool *out_is_empty, char out
     return count < expected ? trk_short_row(table->reading) : TRK_LINE_FAILED;
 }
 
-/* The next row that is in the file, whosever it is. */
+/* Take the next row of the file, of whatever recording. */
 static enum trk_line next_row(struct trk_table *table, bool is_taken, char out_error[TRK_ERROR_SIZE])
 {
     const char *text = table->reading->lines.text;
@@ -273,8 +274,8 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The middle of the steps forward in the first rows, and their mean; 0 if there are none. False on failure.
- */
+/* Measure the steps forward in the first rows: their median and their mean; 0 if there are none. False on
+ * failure. */
 static bool measure_steps(struct trk_table *table, int column, double out_steps[2],
                           char out_error[TRK_ERROR_SIZE])
 {
@@ -320,7 +321,7 @@ double trk_table_guess_unit(struct trk_table *table, int column, char out_error[
                    step);
         return units[unit].ns;
     }
-    /* One sample, or none: any unit will do. */
+    /* With one sample or none, any unit will do. */
     if (steps[0] == 0) return 1e6;
     trk_lines_fail(
         &reading->lines, out_error,

@@ -131,7 +131,7 @@ void trk_device_deliver(struct trk_device *device, const struct trk_sample *samp
     put(device, &copy);
 }
 
-/* A sample that says that gaze is lost. */
+/* Deliver a sample that says that gaze is lost. */
 static void deliver_loss(struct trk_device *device, uint64_t now_ns)
 {
     if (!device->arrival_ns || device->silent) return;
@@ -219,7 +219,7 @@ static void step(struct trk_device *device)
         deliver_loss(device, now_ns);
 }
 
-/* Until the next search, or the end. */
+/* Wait until the next search or the end. */
 static void rest(struct trk_device *device)
 {
     uint64_t now_ns = trk_now_ns();
