@@ -160,7 +160,7 @@ static void refuses_what_is_there(void **state)
     assert_int_equal(count_entries(false), 3);
 }
 
-/* Another one comes while this one is written. */
+/* Another program writes the same file meanwhile. */
 static void comes_second(void **state)
 {
     (void)state;
@@ -180,7 +180,7 @@ static void comes_second(void **state)
     assert_int_equal(count_entries(false), 1);
 }
 
-/* A disk that takes no more: told however much was buffered, the old file stays, nothing else is left. */
+/* A full disk is reported, however much was buffered; the old file stays, and nothing else is left. */
 static void full_disk(void **state)
 {
     (void)state;
@@ -205,7 +205,7 @@ static void full_disk(void **state)
     signal(SIGXFSZ, SIG_DFL);
 }
 
-/* What is kept open is a whole file already, and is not to be replaced as long as it is. */
+/* A file that is kept open is whole already, and is not replaced while it is open. */
 static void is_kept(void **state)
 {
     (void)state;
@@ -225,8 +225,8 @@ static void is_kept(void **state)
     holds(path, "new");
 }
 
-/* Parts that killed programs have left in the folder go; those of programs that live, and whatever else has
- * such a name, stay. */
+/* Parts that killed programs have left in the folder are removed; parts of live programs, and other files
+ * with such names, stay. */
 static void removes_leftovers(void **state)
 {
     (void)state;

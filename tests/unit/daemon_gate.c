@@ -71,7 +71,7 @@ static void one_a_second(void **state)
     assert_int_equal(dmn_gate_turn(&gate, 1, START + 100 * SECOND), START + 100 * SECOND);
 }
 
-/* After a wrong token the right one waits once; those that come behind it do not wait one after another. */
+/* After a wrong token a right one waits once; right ones after it do not wait one after another. */
 static void right_after_wrong(void **state)
 {
     struct dmn_gate gate = {0};

@@ -66,7 +66,7 @@ static int dial(void)
     return -1;
 }
 
-/* A socket that a killed daemon left: nobody listens any more, and of its lock the file alone is there. */
+/* A socket that a killed daemon has left: nobody listens, and the lock file is not locked. */
 static void leave_stale(void)
 {
     struct dmn_listener listener;
@@ -82,7 +82,7 @@ static void leave_stale(void)
     assert_int_equal(dial(), -1);
 }
 
-/* One daemon of many: it begins when go ends, says how it went, and stays until stay ends. */
+/* One of many daemons: it begins when go is closed, reports its success, and stays until stay is closed. */
 static void run_daemon(int go, int stay, int said)
 {
     struct dmn_listener listener;
@@ -98,7 +98,7 @@ static void run_daemon(int go, int stay, int said)
     _exit(0);
 }
 
-/* Several begin at once where a dead one has left its socket: one wins, and it can be reached. */
+/* Several start at once where a dead daemon has left its socket: one wins, and clients reach it. */
 static void one_wins(void **state)
 {
     (void)state;
@@ -173,7 +173,8 @@ static void squatted_lock(void **state)
     assert_int_equal(unlink(name), 0);
 }
 
-/* A socket whose mode somebody has changed is still this user's: the daemon writes files for who comes in. */
+/* A socket whose mode somebody has changed is still only for this user, as the daemon writes files for its
+ * clients. */
 static void strangers(void **state)
 {
     struct dmn_listener listener;
@@ -227,7 +228,7 @@ static int option(int fd, int level, int name)
     return value;
 }
 
-/* Loopback too asks for the token, and a peer that vanishes is noticed. */
+/* Clients on loopback need the token too, and a peer that vanishes is noticed. */
 static void tcp(void **state)
 {
     struct dmn_listener listener;

@@ -80,7 +80,7 @@ static void choose(struct world *world, const float gaze[3], size_t limit)
     assert_true(world->count <= limit);
 }
 
-/* Looking forward, that many tiles are chosen. */
+/* With gaze ahead, so many tiles are chosen. */
 static void chooses(struct world *world, uint32_t count)
 {
     choose(world, FORWARD, LIMIT);
@@ -106,7 +106,7 @@ static size_t send_until_done(struct world *world, const float gaze[3])
     return sent;
 }
 
-/* Is every level-0 tile under something that was sent, at this level or a finer one? */
+/* Is every level-0 tile covered by a tile that was sent, at this level or a finer one? */
 static bool covered(const struct world *world, int coarsest)
 {
     for (int y = 0; y < world->pyramid.level[0].rows; y++)
@@ -261,7 +261,7 @@ static void a_new_tile_goes_before_a_known_one(void **state)
     assert_int_equal(world->places[1].index, known);
 }
 
-/* Sums that are brought up to date tile by tile are those of all tiles. */
+/* Sums that are updated tile by tile equal those of all tiles. */
 static void sums_of_what_changed(void **state)
 {
     struct world *world = make(1280, 640, 4);

@@ -68,8 +68,7 @@ static void assert_default(const char *folder)
     assert_string_equal(address.path, expected);
 }
 
-/* The default is where nobody else can put a socket: this user's own folder, which is no link to another
- * place. */
+/* The default is where nobody else can put a socket: a folder of this user's, which is not a link. */
 static void defaults(void **state)
 {
     (void)state;
@@ -111,7 +110,7 @@ static void defaults(void **state)
     rmdir(folder);
 }
 
-/* Without one, a folder of our own among everybody's, which is made. */
+/* Without such a folder, one of our own is made in /tmp. */
 static void default_without_runtime_folder(void **state)
 {
     (void)state;

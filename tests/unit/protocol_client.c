@@ -46,7 +46,7 @@ static Fovea__Message *receive(struct pro_client *client, Fovea__Message__BodyCa
     }
 }
 
-/* And whatever came with it, so that every tile so far is acknowledged. */
+/* Receive a Done and all that came with it, so that every tile so far is acknowledged. */
 static void receive_done(struct pro_client *client)
 {
     char error[PRO_ERROR_SIZE];
@@ -128,7 +128,7 @@ static int option(const struct pro_client *client, int level, int name)
     return value;
 }
 
-/* A daemon whose machine has gone is noticed. */
+/* A daemon on a machine that has vanished is noticed. */
 static void alive_on_tcp(void **state)
 {
     (void)state;
@@ -192,7 +192,7 @@ static void window_never_stalls(void **state)
     }
 }
 
-/* All at once; the client begins to read when all are there. */
+/* Send all tiles at once; the client begins to read when all have come. */
 static void script_burst(struct server *server)
 {
     server_until(server, FOVEA__MESSAGE__BODY_HELLO);
@@ -218,7 +218,8 @@ static void burst_is_acknowledged_together(void **state)
     assert_true(server.acknowledges >= 16 && server.acknowledges <= 32);
 }
 
-/* A daemon that stops reading: what the client cannot say must not keep it from listening, nor busy. */
+/* A daemon that stops reading: what the client cannot send must neither keep it from receiving, nor keep it
+ * busy. */
 static void script_deaf(struct server *server)
 {
     server_until(server, FOVEA__MESSAGE__BODY_HELLO);

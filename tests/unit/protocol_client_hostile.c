@@ -40,7 +40,7 @@ static void assert_breaks(void (*script)(struct server *), int variant, const ch
 
 enum { SOMEBODY_ELSE = 65534 };
 
-/* Another user, who has put a socket where the daemon's should be; status 0 if that one has heard nothing. */
+/* Another user, who listens on a socket in the daemon's place. Status 0 if nothing was sent to it. */
 static void squat(const struct sockaddr_un *at, int ready)
 {
     int listener = socket(AF_UNIX, SOCK_STREAM, 0), fd;

@@ -123,7 +123,7 @@ static uint8_t *encode_gradient(Fovea__Encoding encoding, unsigned size, size_t 
     return bytes;
 }
 
-/* What holds for every encoding: wrong sizes, cut short, with something behind, and damaged in every byte. */
+/* For every encoding: bytes of another size, cut short, with more at the end, and damaged at every place. */
 static void spoilt(Fovea__Encoding encoding)
 {
     size_t count;
@@ -314,7 +314,7 @@ static void jpeg_numbers_beyond(void **state)
     }
 }
 
-/* JPEGs that are good pictures and no tiles. */
+/* JPEGs that are valid pictures, but no tiles. */
 static void assert_jpeg_refused(int width, int height, int channels, bool progressive)
 {
     struct jpeg_compress_struct jpeg;

@@ -239,7 +239,8 @@ static void limit_is_allowed(void **state)
     free(bytes);
 }
 
-/* A peer that announces much and sends little costs little; one that is never read is stopped. */
+/* A peer that announces much and sends little costs little memory; one whose messages are not taken is
+ * stopped. */
 static void memory_follows_bytes(void **state)
 {
     (void)state;
@@ -287,7 +288,7 @@ static unsigned take_all(const uint8_t *bytes, size_t count, size_t limit)
     return messages;
 }
 
-/* Frames made so that protobuf-c would take many times their length. */
+/* Frames for which protobuf-c would allocate many times their length. */
 static void greedy_frames(void **state)
 {
     (void)state;

@@ -49,8 +49,8 @@ static void draws_follow_density(void **state)
         }
 }
 
-/* Shading normals that are not the triangle's: draws are above the triangle and follow the density, and a
- * white metal returns all light, however much of its lobe such a normal sends below. */
+/* Shading normals that differ from the triangle's: draws are above the triangle and follow the density, and a
+ * white metal returns all light, even if much of its lobe is below the triangle. */
 static void bent_normals(void **state)
 {
     (void)state;
@@ -115,7 +115,7 @@ static void weights(void **state)
         }
 }
 
-/* Of all but metals, whose lost light is given back by where it goes. */
+/* Reciprocity of all but metals: the light that these lose is given back by its outgoing direction. */
 static void reciprocity(void **state)
 {
     (void)state;
@@ -148,8 +148,8 @@ static void below(void **state)
     }
 }
 
-/* Draws from a table follow its weights, none falls on a weight of zero, and the second number alone tells
- * the columns apart that the first has no bits for. */
+/* Draws from a table follow its weights, and none falls on a weight of 0. The second number tells columns
+ * apart for which the first has no bits. */
 static void tables(void **state)
 {
     (void)state;

@@ -32,8 +32,8 @@ static const char *slab(const char *glass)
     return files_text("slab.obj", text);
 }
 
-/* Glass of index 1 bends nothing and reflects nothing: what it lets through is its tint, of sky and sun, on
- * the floor and for a camera that looks up. */
+/* Glass of index 1 bends and reflects nothing: it only tints the light of sky and sun, on the floor and for a
+ * camera that looks up. */
 static void index_of_one(void **state)
 {
     (void)state;
@@ -68,7 +68,7 @@ static void both(const char *path, const char *env, const float *sun, const floa
     }
 }
 
-/* Of a slab of 1.5 nothing is lost: a ray through it is moved, and not turned. */
+/* A slab of index 1.5 is exact: a ray through it is shifted, and not turned. */
 static void slab_of_glass(void **state)
 {
     (void)state;
@@ -102,7 +102,8 @@ static const char *rough_glass(double roughness, bool thin)
                        materials, "", part, 3);
 }
 
-/* Rough glass is taken for smooth, which loses or gains little where it is clear; what is rougher is not. */
+/* Rough glass is treated as smooth, which changes little up to the limit of roughness; rougher glass is not.
+ */
 static void rough_slab(void **state)
 {
     (void)state;

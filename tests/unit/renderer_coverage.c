@@ -85,8 +85,8 @@ static void backs(void **state)
     }
 }
 
-/* Two texels, and a look at the plane between the middle of the dark one and their border: NEAREST shows the
- * dark one alone, as emission, as colour of each kind of material, and as coverage. */
+/* Two texels, seen between the middle of the dark one and their border: NEAREST shows only the dark one, as
+ * emission, as colour of each kind of material, and as coverage. */
 static void nearest(void **state)
 {
     (void)state;

@@ -197,8 +197,8 @@ static void capped_by_display(void **state)
     assert_float_equal(outer[0] / outer[1], 1, 1e-6);
 }
 
-/* With a spread of s the density is that of acuity m(e / s), still over 80 degrees, and draws follow it in
- * fine bins. A spread of 1, and one that is none, change no bit of what is drawn. */
+/* With a spread of s the density is that of acuity m(e / s), over the same 80 degrees, and draws follow it in
+ * fine bins. A spread of 1 or less changes no bit of what is drawn. */
 static void wider(void **state)
 {
     (void)state;
@@ -451,7 +451,7 @@ static void table(void **state)
     assert_null(rnd_distribution_find(""));
 }
 
-/* What a row says of itself is what its density does. */
+/* The flags of a distribution's row agree with its density. */
 static void rows_say_what_they_do(void **state)
 {
     (void)state;

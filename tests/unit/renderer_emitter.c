@@ -215,7 +215,7 @@ static void dissolved(void **state)
     }
 }
 
-/* Bright spots, wherever wrapping and transforms put them, and below holes that lie otherwise. */
+/* Bright spots, wherever wrapping and transforms put them, and under holes at other places. */
 static void textured(void **state)
 {
     (void)state;
@@ -240,7 +240,7 @@ static void textured(void **state)
     }
 }
 
-/* One texel of a quarter of a million: drawn as if it were a light of its own. */
+/* One bright texel of a quarter of a million is drawn like a separate light. */
 static void tiny_spot(void **state)
 {
     (void)state;

@@ -49,7 +49,7 @@ static void assert_state(const struct rnd_tile *whole, const struct rnd_tile *pa
     assert_int_equal(whole->gaze_sequence, sum.gaze_sequence);
 }
 
-/* Every level against the film itself: what a tile shows has the mean of its pixels. */
+/* Every level against the film: a tile shows the mean of its pixels. */
 static void assert_levels(struct rnd_render *render)
 {
     static struct film film;
@@ -238,7 +238,7 @@ static void converged(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* The error stated is that of the picture: against many more paths, relative to the tile's mean. */
+/* The stated error is the real one: against a picture with many more paths, relative to the tile's mean. */
 static void error_is_true(void **state)
 {
     (void)state;

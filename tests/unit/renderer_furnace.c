@@ -173,8 +173,8 @@ static void dark_room_far_away(void **state)
     }
 }
 
-/* The file's camera, its lights and its instances go with a node that is far away; what is seen is as near
- * the origin. */
+/* The file's camera, lights and instances move with a node that is far away; the picture is as near the
+ * origin. */
 static void far_nodes(void **state)
 {
     (void)state;

@@ -82,7 +82,7 @@ static void quantized(void **state)
     }
 }
 
-/* Elements that are elsewhere, of an accessor with bytes and of one without; and of an animation. */
+/* Sparse elements, of an accessor with bytes and of one without; and of an animation. */
 static void sparse(void **state)
 {
     (void)state;
@@ -134,7 +134,7 @@ static void sparse(void **state)
                    "accessors[0].sparse.indices: number 1 is 4: expected rising ones below 4");
 }
 
-/* What accessors and views say that is not there. */
+/* Accessors and views that refer to bytes that are not there. */
 static void wrong_accessors(void **state)
 {
     (void)state;
@@ -171,7 +171,7 @@ static void wrong_accessors(void **state)
     }
 }
 
-/* Small files that ask for much: a line, before there is memory or time for it. */
+/* Small files that ask for much are refused in one line, before they take memory or time. */
 static void too_much(void **state)
 {
     (void)state;

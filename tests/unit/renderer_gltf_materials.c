@@ -139,7 +139,7 @@ static void maps(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* An image within a buffer; and a view that holds none. */
+/* An image in a buffer; and a view without one. */
 static void image_in_buffer(void **state)
 {
     (void)state;

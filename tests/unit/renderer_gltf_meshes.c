@@ -44,7 +44,7 @@ static void modes(void **state)
         "holds no triangle");
 }
 
-/* Primitives that share one large array of vertices have those that they name, in a row or scattered. */
+/* Primitives that share one large array of vertices get only those that they use, in a row or scattered. */
 static void shared_vertices(void **state)
 {
     (void)state;

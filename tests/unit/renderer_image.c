@@ -5,7 +5,7 @@ static const double deg = M_PI / 180.0;
 
 /* --- files --- */
 
-/* What is written is read: linear files to their precision, others as 8-bit sRGB. */
+/* A written file reads back: linear files to their precision, others as 8-bit sRGB. */
 static void round_trip(void **state)
 {
     (void)state;
@@ -189,8 +189,8 @@ static void directions(void **state)
     free(panorama);
 }
 
-/* Stripes along meridians are seen at the horizon and melt into grey at the poles, where they crowd; across
- * the seam they go on. */
+/* Stripes along meridians show at the horizon, become grey at the poles, where they crowd, and go on across
+ * the seam. */
 static void calm_poles(void **state)
 {
     (void)state;

@@ -111,7 +111,7 @@ static int times(const char *text, const char *word)
     return count;
 }
 
-/* A scene without one of its images: a line names the file, once, and the factors stand alone. */
+/* A scene without one of its images: one warning names the file, and the factors are used alone. */
 static void images_absent(void **state)
 {
     (void)state;
@@ -195,7 +195,7 @@ static void not_finite(void **state)
         "bright");
 }
 
-/* Files made to exhaust: each would take all memory, all stack or all time of a reader that believes it. */
+/* Hostile files: each would take all memory, stack or time of a reader that trusts it. */
 static void hostile(void **state)
 {
     (void)state;

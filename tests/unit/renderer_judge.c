@@ -125,7 +125,7 @@ static void no_news(void **state)
     print_message("found by one path in 10,000: error %.2f after 200 paths per pixel\n", (double)tile.error);
 }
 
-/* What is black for good does not keep the rest from ending, what is black by bad luck does. */
+/* Pixels that stay black do not keep a tile from converging; pixels that are black by bad luck do. */
 static void black_beside_light(void **state)
 {
     (void)state;
@@ -198,7 +198,8 @@ static void many_paths(void **state)
     rnd_film_finish(&render.film);
 }
 
-/* The dark half of every 8 x 8, 16 x 16 and 64 x 64 pixels has eight times the paths, and still is half. */
+/* The dark half of every 8 x 8, 16 x 16 and 64 x 64 pixels has eight times as many paths, and still counts as
+ * half. */
 static void area_counts(void **state)
 {
     (void)state;
@@ -288,7 +289,7 @@ static void shown(void **state)
     for (int i = 0; i < COUNT; i++) assert_float_equal(rgb[3 * i], (i % 3 ? 2 : 0), 1e-5);
 }
 
-/* Rare light is shown as bright as it is, from the first path on. */
+/* Rare light is shown at its brightness, from the first path on. */
 static void rare_light_shown(void **state)
 {
     (void)state;

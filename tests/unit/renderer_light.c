@@ -172,8 +172,8 @@ static void sphere_of_light(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* An emitter in a closed box under the sun: who is in the box asks the emitter, who stands outside asks the
- * sun, and neither forgets the other. */
+/* An emitter in a closed box under the sun: points in the box mostly ask the emitter, points outside the sun,
+ * and neither never asks the other. */
 static void survey(void **state)
 {
     (void)state;
@@ -209,7 +209,7 @@ static void survey(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* A closed box with a window to +X, under an even sky: who is in it asks the sky there. */
+/* A closed box with a window to +X, under an even sky: points in it ask the sky there. */
 static void window(void **state)
 {
     (void)state;
@@ -265,8 +265,8 @@ static double below(const char *path, const float camera[3], int group, float *o
     return radiance;
 }
 
-/* A room with an emitter, and the same room in a house of twelve: there its emitter is asked nearly as often,
- * and the picture is no other. */
+/* A room with an emitter, alone and in a house of twelve such rooms: there its emitter is asked nearly as
+ * often, and the picture is the same. */
 static void house(void **state)
 {
     (void)state;
@@ -292,7 +292,7 @@ static void house(void **state)
     assert_true(fabs(radiance[1] / radiance[0] - 1.0) < files_off(0.005));
 }
 
-/* The same of point lights: one above a floor, and nine more below it. */
+/* The same with point lights: one above a floor, and nine more below it. */
 static void cellar(void **state)
 {
     (void)state;

@@ -171,8 +171,8 @@ static void bright_in_water(void **state)
     }
 }
 
-/* What absorbs does so on the way to anything in it, also where light is drawn; and a border inside of a
- * medium is not there. */
+/* A medium absorbs on the way to everything in it, also to drawn lights; and a border within one medium has
+ * no effect. */
 static void absorbing(void **state)
 {
     (void)state;
@@ -222,7 +222,8 @@ static void absorbing(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* The list of media: the innermost is first, what was entered is left wherever it is. */
+/* The list of media: the innermost is first, and a medium that was entered can be left wherever it is in the
+ * list. */
 static void lists(void **state)
 {
     (void)state;

@@ -162,7 +162,8 @@ static void plain_metrics(void **state)
     }
 }
 
-/* Pictures that are mostly or all black set no endless range of exposures; what is wrong in them is seen. */
+/* Pictures that are mostly or all black do not give an endless range of exposures, and their errors are
+ * found. */
 static void dark_pictures(void **state)
 {
     (void)state;
@@ -193,7 +194,7 @@ static void dark_pictures(void **state)
     assert_true(flip.value > 0.1 && figure(&flip, "largest") <= 1);
 }
 
-/* Smaller than any filter, and at the ends of the range of densities. */
+/* Pictures smaller than any filter, and the least and most pixels per degree. */
 static void odd_sizes(void **state)
 {
     (void)state;
@@ -272,8 +273,8 @@ static void refused(void **state)
     assert_refused("relative_mse", &pair, "a pixel of the reference is not finite, at 95,63");
 }
 
-/* Every row can be found, says what its value is, refuses just the pairs that it does not fit, and finds a
- * picture nearer to itself than to a noisy one. */
+/* Every metric can be found by name, describes its value, refuses only pairs that it does not fit, and finds
+ * a picture nearer to itself than to a noisy one. */
 static void table(void **state)
 {
     (void)state;
@@ -303,8 +304,8 @@ static void table(void **state)
     assert_true(count >= 5);
 }
 
-/* What weighs nothing does not count; equal weights change nothing; twice the weight is as twice the pixels.
- */
+/* Pixels of weight 0 do not count, equal weights change nothing, and twice the weight is like twice the
+ * pixels. */
 static void weights(void **state)
 {
     (void)state;
@@ -397,8 +398,7 @@ static void relative_rmse(void **state)
     assert_true(isinf(rmse_in_disc(test, reference, ahead, 4)));
 }
 
-/* A ring of eccentricity has the solid angle that it should, wherever it lies: but for half a row at its
- * ends. */
+/* A ring of eccentricity has its solid angle, wherever it is, within half a row at its ends. */
 static void rings(void **state)
 {
     (void)state;

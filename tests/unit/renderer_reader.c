@@ -37,7 +37,7 @@ static struct rnd_texture load(const char *path, enum rnd_pixels_use use, int sk
     return texture;
 }
 
-/* What is left out is left out alone: all other levels are the same bit for bit. */
+/* Levels that are kept are the same, bit for bit, as without a limit. */
 static void without_finest(void **state)
 {
     (void)state;
@@ -68,7 +68,8 @@ static void without_finest(void **state)
         }
 }
 
-/* A size is told without the pixels, also of what is in memory; a file that is no picture is one line. */
+/* The size of a picture is read without its pixels, also from memory; a file that is no picture gives one
+ * line. */
 static void sizes(void **state)
 {
     (void)state;
@@ -197,7 +198,7 @@ static bool count_rows(struct rnd_pixels_sink *sink, int first, int rows, const 
     return true;
 }
 
-/* What a read makes of packets that are there already, or of bytes that are none. */
+/* Read with packets that have come already, or with bytes that are no packets. */
 static bool read_of(const enum rnd_image_packet *kind, const void *const *bytes, const size_t *count,
                     int packets, const atomic_bool *cancel, struct counting *out,
                     char out_error[RND_ERROR_SIZE])
@@ -318,7 +319,7 @@ static void large_trees(void **state)
 
 /* --- the end --- */
 
-/* Nothing is read for somebody who does not want it any more. */
+/* A cancelled read reads nothing. */
 static void cancelled(void **state)
 {
     (void)state;

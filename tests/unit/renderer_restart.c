@@ -47,7 +47,7 @@ static void assert_same(const struct all *one, const struct all *other)
     assert_memory_equal(one->coarse, other->coarse, sizeof one->coarse);
 }
 
-/* What a render of the scene is like that was just created. */
+/* Everything of a new render of the scene. */
 static void fresh(const struct rnd_scene *scene, struct all *all)
 {
     struct rnd_render *render = make(scene, WIDTH, "fv", 2);
@@ -92,8 +92,8 @@ static void as_fresh(void **state)
     rnd_render_destroy(render);
 }
 
-/* A batch whose aim is stale before it has begun leaves all its paths out: no tile answers its gaze, and a
- * restart after it is a fresh render all the same. */
+/* A batch with an aim that is stale from the start leaves out all paths: no tile answers its gaze, and a
+ * restart after it is still like a new render. */
 static void left_out(void **state)
 {
     (void)state;
@@ -125,7 +125,7 @@ static void left_out(void **state)
     rnd_render_destroy(render);
 }
 
-/* Nothing of the old picture is left, wherever one looks, and tiles tell the generations apart. */
+/* Nothing of the old picture is left, and tiles have their generation. */
 static void empty(void **state)
 {
     (void)state;
@@ -200,7 +200,7 @@ static void *read_on(void *argument)
     return NULL;
 }
 
-/* Where others use the machine, a reader may sleep through many a restart. */
+/* On a busy machine a reader may sleep through many restarts. */
 static bool saw_both(struct reader *reader)
 {
     return reader->tiles[0] > 0 && reader->tiles[1] > 0 && reader->whole[0] + reader->whole[1] > 0;

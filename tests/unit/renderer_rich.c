@@ -138,7 +138,7 @@ static void white_furnace(void **state)
     assert_int_equal(wrong, 0);
 }
 
-/* A table for all roughnesses, which a texture may ask for, says what those of one roughness say. */
+/* The table for all roughnesses, which textured roughness uses, agrees with those of one roughness. */
 static void glass_of_any_roughness(void **state)
 {
     (void)state;

@@ -12,7 +12,7 @@
 #include "math/sampler.h"
 #include "statistics.h"
 
-/* Sobol's first points, as every table has them, without any scramble. */
+/* The first points of Sobol's sequence, without scrambling, as in published tables. */
 static void unscrambled_points(void **state)
 {
     (void)state;
@@ -49,7 +49,7 @@ static void bits(void **state)
                                  1u << b);
 }
 
-/* Every aligned block of 2^k points has one in each elementary interval of 2^-a x 2^-(k-a). */
+/* Every aligned block of 2^k points has one point in each elementary interval of 2^-a x 2^-(k-a). */
 static void assert_net(uint32_t seed, uint32_t dimension, uint32_t block, int k)
 {
     enum { MOST = 1 << 10 };
@@ -77,7 +77,7 @@ static void net(void **state)
                     assert_net(rnd_hash(seed), dimension, block * 7919u & ((1u << 22) - 1), k);
 }
 
-/* The numbers belong to their address: any order, any subset, the same values. */
+/* The numbers depend only on their address: in any order, and in any subset, they are the same. */
 static void addressed(void **state)
 {
     (void)state;

@@ -81,7 +81,7 @@ static void seen(void **state)
         }
 }
 
-/* So it is in a mirror, whose gloss is found by its own directions and by the sun's alike. */
+/* The same in a mirror, where both the lobe's and the sun's directions find it. */
 static void mirrored(void **state)
 {
     (void)state;
@@ -97,8 +97,8 @@ static void mirrored(void **state)
     }
 }
 
-/* And through a slab of glass, whose directions nothing but chance finds: all but what its two faces send
- * back, (1 - R) / (1 + R) with every reflection inside. */
+/* The same through a slab of glass, where only chance finds the sun: all but the light that its two faces
+ * reflect, (1 - R) / (1 + R) with every reflection inside. */
 static void refracted(void **state)
 {
     (void)state;
@@ -116,7 +116,7 @@ static void refracted(void **state)
     }
 }
 
-/* And on a floor. */
+/* The same by the light on a floor. */
 static void lights(void **state)
 {
     (void)state;

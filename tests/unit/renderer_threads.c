@@ -54,7 +54,7 @@ static void *read_on(void *argument)
     return NULL;
 }
 
-/* What was published of tiles is what is known of them. */
+/* The published states of tiles are the current ones. */
 static void assert_known(struct rnd_render *render, const struct rnd_tile *known)
 {
     struct rnd_tile tiles[TILES];
@@ -68,8 +68,8 @@ static void assert_known(struct rnd_render *render, const struct rnd_tile *known
     }
 }
 
-/* A film may be read while a batch runs; what the readers see is for ThreadSanitizer to judge, and the film
- * is the same in the end. */
+/* A film may be read while a batch runs. ThreadSanitizer checks the reads; the film is the same in the end.
+ */
 static void readers(void **state)
 {
     (void)state;
@@ -128,7 +128,7 @@ static void published(void **state)
     rnd_render_destroy(render);
 }
 
-/* Nobody waits for a thread that the system has put aside while it adds to a tile. */
+/* No thread waits for one that the system has suspended while it adds to a tile. */
 static void writer_put_aside(void **state)
 {
     (void)state;
@@ -165,7 +165,7 @@ static void take_turns(void *context, int worker)
     for (int i; (i = atomic_fetch_add(&turns->next, 1)) < TURNS;) atomic_fetch_add(&turns->done[i], 1);
 }
 
-/* Every turn is taken once, by whoever comes; no thread calls twice, and where all must, each does. */
+/* Every item is taken once, by any thread; no thread calls twice; and where all must call, each does. */
 static void pool_turns(void **state)
 {
     (void)state;

@@ -221,8 +221,8 @@ static int render_plate(const char *name, float albedo, float *out_value)
     return count;
 }
 
-/* A surface that is ten times darker is as well known for what it is: its picture is that of the brighter
- * one, noise and all, but for what little of its own light comes back to it. */
+/* A surface that is ten times darker has the same relative noise: its picture is that of the brighter one,
+ * scaled, but for the little light that returns to it. */
 static void dark_is_as_sure(void **state)
 {
     (void)state;

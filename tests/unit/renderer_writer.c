@@ -79,7 +79,7 @@ static void assert_same_file(const char *a, const char *b)
     fclose(file[1]);
 }
 
-/* The same file as from this process, bit for bit, and what it should hold. */
+/* The file is the same as one written by this process, bit for bit, and has the right content. */
 static void written(void **state)
 {
     (void)state;
@@ -161,7 +161,7 @@ static void refused(void **state)
 
 /* --- while a picture is written --- */
 
-/* Of a process: which has started it, and its state as of proc(5); false if there is none. */
+/* The parent of a process, and its state as in proc(5); false if there is no such process. */
 static bool look(const char *pid, pid_t *out_parent, char *out_state)
 {
     char path[64], line[512] = "";
@@ -256,7 +256,8 @@ static void ended(void **state)
     assert_int_equal(programs_killed, 2);
 }
 
-/* A render can be saved when the scene that it began with has gone, whoever had the program. */
+/* A render can be saved after the scene that it began with was destroyed, whichever of them started the
+ * program. */
 static void outlived(void **state)
 {
     (void)state;
