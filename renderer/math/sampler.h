@@ -78,4 +78,12 @@ RND_INLINE void rnd_pair(uint32_t seed, uint32_t dimension, uint32_t index, floa
     out[1] = two.v;
 }
 
+/* Two further numbers for what needs no good distribution: which texel of four. */
+RND_INLINE void rnd_dither(uint32_t seed, uint32_t index, uint32_t which, float *out_r, float *out_s)
+{
+    const uint32_t h = rnd_hash(seed ^ (index * 0x9e3779b9u + which * 0x85ebca6bu));
+    *out_r = (float)(int32_t)(h & 0xffffu) * 0x1p-16f;
+    *out_s = (float)(int32_t)(h >> 16) * 0x1p-16f;
+}
+
 #endif

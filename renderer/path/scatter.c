@@ -237,12 +237,10 @@ static void cast_shadows(struct rnd_tracer *tracer, uint32_t count)
 #pragma GCC ivdep
     for (size_t i = 0; i < n; i++) {
         const uint32_t j = order[i];
-        const struct rnd_v3 p = rnd_get(&paths->origin, j), wi = rnd_get(&lights->direction, j),
-                            normal = rnd_get(&s->geometric, j);
-        const float off = rnd_offset(p, s->distance[j]), side = rnd_v3_dot(wi, normal) >= 0.0f ? off : -off;
+        const struct rnd_v3 p = rnd_get(&paths->origin, j), wi = rnd_get(&lights->direction, j);
         /* To the very place on the light: as long as from the surface itself, a ray that begins nearer to the
          * light would end behind it. */
-        const struct rnd_v3 step = rnd_v3_scale(normal, side);
+        const struct rnd_v3 step = rnd_step_off(p, s->distance[j], rnd_get(&s->geometric, j), wi);
         const float far = lights->distance[j];
         const int ends = far < INFINITY;
         const struct rnd_v3 way = rnd_v3_sub(rnd_v3_scale(wi, ends ? far : 1.0f), step),
@@ -297,9 +295,8 @@ static uint32_t go_on(struct rnd_tracer *tracer, uint32_t count)
     for (size_t i = 0; i < alive; i++) {
         const uint32_t j = order[i];
         const struct rnd_v3 p = rnd_get(&from->origin, j), wi = rnd_get(&way->direction, j),
-                            normal = rnd_get(&s->geometric, j);
-        const float off = rnd_offset(p, s->distance[j]), side = rnd_v3_dot(wi, normal) >= 0.0f ? off : -off;
-        rnd_put(&to->origin, i, rnd_v3_muladd(normal, side, p));
+                            step = rnd_step_off(p, s->distance[j], rnd_get(&s->geometric, j), wi);
+        rnd_put(&to->origin, i, rnd_v3_add(p, step));
         rnd_put(&to->direction, i, wi);
         to->pdf[i] = way->pdf[j];
         to->width[i] = from->width[j];

@@ -3,8 +3,7 @@
 #include "path/emission.h"
 #include "material/ggx.h"
 #include "material/point.h"
-
-#include <string.h>
+#include "material/shading.h"
 
 /* --- order --- */
 
@@ -64,13 +63,6 @@ static void gather(struct rnd_tracer *tracer, const uint32_t *order, uint32_t co
 
 /* --- geometry --- */
 
-static struct rnd_v3 instance_vector(const struct rnd_instance *instance, struct rnd_v3 d)
-{
-    const float *m = instance->to_world;
-    return rnd_v3(m[0] * d.x + m[3] * d.y + m[6] * d.z, m[1] * d.x + m[4] * d.y + m[7] * d.z,
-                  m[2] * d.x + m[5] * d.y + m[8] * d.z);
-}
-
 /* Unit normals that face where the ray came from, the shading normal by interpolation. */
 static void face(struct rnd_tracer *tracer, uint32_t count)
 {
@@ -86,25 +78,20 @@ static void face(struct rnd_tracer *tracer, uint32_t count)
     }
 #pragma GCC ivdep
     for (size_t j = 0; j < count; j++) {
-        const struct rnd_v3 direction = rnd_get(&paths->direction, j);
-        const struct rnd_v3 outside = rnd_v3_normalize(rnd_get(&s->geometric, j));
-        const float side = rnd_v3_dot(outside, direction) < 0.0f ? 1.0f : -1.0f;
-        const struct rnd_v3 geometric = rnd_v3_scale(outside, side);
         const struct rnd_v3 a = rnd_v3_normalize(rnd_octahedral_decode(corner[0][j])),
                             b = rnd_v3_normalize(rnd_octahedral_decode(corner[1][j])),
                             c = rnd_v3_normalize(rnd_octahedral_decode(corner[2][j]));
         const float u = s->u[j], v = s->v[j];
-        const struct rnd_v3 smooth = rnd_v3_scale(
-            rnd_v3_normalize(rnd_v3_muladd(c, v, rnd_v3_muladd(b, u, rnd_v3_scale(a, 1.0f - u - v)))), side);
-        const int good = (rnd_v3_dot(smooth, direction) < 0.0f) & (rnd_v3_dot(smooth, geometric) > 0.0f);
-        rnd_put(&s->geometric, j, geometric);
-        rnd_put(&s->normal, j, rnd_v3_select(good, smooth, geometric));
-        s->front[j] = side > 0.0f ? 1u : 0u;
+        const struct rnd_v3 smooth = rnd_v3_muladd(c, v, rnd_v3_muladd(b, u, rnd_v3_scale(a, 1.0f - u - v)));
+        const struct rnd_facing facing =
+            rnd_face(rnd_get(&s->geometric, j), smooth, rnd_get(&paths->direction, j));
+        rnd_put(&s->geometric, j, facing.geometric);
+        rnd_put(&s->normal, j, facing.shading);
+        s->front[j] = facing.side > 0.0f ? 1u : 0u;
     }
 }
 
-/* What was hit through an instance has its normals in the mesh's own coordinates, and its textures by its own
- * metres. */
+/* Through an instance, normals were in the mesh's own coordinates, and textures are seen at its own metres. */
 static void face_instances(struct rnd_tracer *tracer, uint32_t count)
 {
     const struct rnd_scene *scene = tracer->scene;
@@ -112,39 +99,34 @@ static void face_instances(struct rnd_tracer *tracer, uint32_t count)
     for (uint32_t j = 0; j < count; j++) {
         if (s->instance[j] == RTC_INVALID_GEOMETRY_ID) continue;
         const struct rnd_instance *instance = &scene->instance[s->instance[j] - scene->mesh_count];
-        const struct rnd_record *record = &scene->record[s->record[j]];
-        const struct rnd_v3 direction = rnd_get(&tracer->paths[1].direction, j);
-        const float u = s->u[j], v = s->v[j], w = 1.0f - u - v;
-        struct rnd_v3 smooth = rnd_v3_scale(rnd_v3_normalize(rnd_octahedral_decode(record->normal[0])), w);
-        smooth = rnd_v3_muladd(rnd_v3_normalize(rnd_octahedral_decode(record->normal[1])), u, smooth);
-        smooth = rnd_v3_muladd(rnd_v3_normalize(rnd_octahedral_decode(record->normal[2])), v, smooth);
-        const struct rnd_v3 own = rnd_v3_scale(rnd_get(&s->geometric, j), s->front[j] ? 1.0f : -1.0f);
-        const struct rnd_v3 outside = rnd_v3_normalize(rnd_normal_to_world(instance, own));
-        const float side = rnd_v3_dot(outside, direction) < 0.0f ? 1.0f : -1.0f;
-        const struct rnd_v3 geometric = rnd_v3_scale(outside, side),
-                            normal =
-                                rnd_v3_scale(rnd_v3_normalize(rnd_normal_to_world(instance, smooth)), side);
-        const int good = (rnd_v3_dot(normal, direction) < 0.0f) & (rnd_v3_dot(normal, geometric) > 0.0f);
-        rnd_put(&s->geometric, j, geometric);
-        rnd_put(&s->normal, j, rnd_v3_select(good, normal, geometric));
-        s->front[j] = side > 0.0f;
+        const uint32_t *code = scene->record[s->record[j]].normal;
+        const struct rnd_v3 smooth = rnd_smooth_normal(code[0], code[1], code[2], s->u[j], s->v[j]),
+                            own = rnd_v3_scale(rnd_get(&s->geometric, j), s->front[j] ? 1.0f : -1.0f),
+                            outside = rnd_normal_to_world(instance, own),
+                            around = rnd_normal_to_world(instance, smooth);
+        const struct rnd_facing facing = rnd_face(outside, around, rnd_get(&tracer->paths[1].direction, j));
+        rnd_put(&s->geometric, j, facing.geometric);
+        rnd_put(&s->normal, j, facing.shading);
+        s->front[j] = facing.side > 0.0f;
         s->footprint[j] /= instance->scale;
     }
 }
 
-/* --- materials --- */
-
-/* log2 to a tenth: the exponent, and the mantissa as if it were straight. */
-RND_INLINE float roughly_log2(float x)
+/* A point's normals as face() left them. */
+static struct rnd_facing facing_at(const struct rnd_tracer *tracer, uint32_t j)
 {
-    int32_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return (float)bits * 0x1p-23f - 127.0f;
+    const struct rnd_surfaces *s = &tracer->surfaces;
+    return (struct rnd_facing){rnd_get(&tracer->paths[1].direction, j), rnd_get(&s->geometric, j),
+                               rnd_get(&s->normal, j), s->front[j] ? 1.0f : -1.0f};
 }
 
-/* Levels finer than the film asks for that textures are seen at by way of another surface: a coarse texel
- * there may mix in what no face shows, and its light goes on. */
-#define INDIRECT_FINER 5.0f
+/* --- materials --- */
+
+/* Levels finer that textures are looked up at in this step. */
+static float finer(const struct rnd_tracer *tracer)
+{
+    return tracer->depth > 0 ? RND_INDIRECT_FINER : 0.0f;
+}
 
 /* Note that a map is to be looked up for a point. */
 static void note(struct rnd_tracer *tracer, const struct rnd_map *map, uint32_t j, uint32_t *looks)
@@ -152,61 +134,38 @@ static void note(struct rnd_tracer *tracer, const struct rnd_map *map, uint32_t 
     const struct rnd_surfaces *s = &tracer->surfaces;
     const struct rnd_texture *texture = &tracer->scene->texture[map->texture];
     const struct rnd_record *record = &tracer->scene->record[s->record[j]];
-    const float u = s->u[j], v = s->v[j], w = 1.0f - u - v, *m = map->transform;
-    float x = w * record->uv[0][0] + u * record->uv[1][0] + v * record->uv[2][0],
-          y = w * record->uv[0][1] + u * record->uv[1][1] + v * record->uv[2][1];
-    if (map->has_transform) {
-        const float own = x;
-        x = m[0] * own + m[1] * y + m[2];
-        y = m[3] * own + m[4] * y + m[5];
-    }
     const uint32_t k = (*looks)++;
     tracer->look[k] = (struct rnd_look){.texture = texture, .map = map, .point = j};
-    tracer->look_x[k] = x;
-    tracer->look_y[k] = y;
+    rnd_map_place(map, record->uv, s->u[j], s->v[j], &tracer->look_x[k], &tracer->look_y[k]);
     tracer->look_level[k] = record->lod + texture->log2_size;
 }
 
-/* Choose the texels: of the mipmap level whose texels are half as large as the path's cone where it hit, or
- * finer, each look its own random neighbour of four. They are asked of memory now, and read later. */
+/* Choose the texels of all looks by the paths' cones, each with its own random neighbour of four. They are
+ * asked of memory now, and read later. */
 static void ask(struct rnd_tracer *tracer, uint32_t looks)
 {
     const struct rnd_paths *paths = &tracer->paths[1];
     const struct rnd_surfaces *s = &tracer->surfaces;
     struct rnd_look *look = tracer->look;
     float *level = tracer->look_level, *r = tracer->number[0], *t = tracer->number[1];
-    /* -1 for half of the cone, and 1/2 to round */
-    const float finer = 0.5f + (tracer->depth > 0 ? INDIRECT_FINER : 0.0f);
+    const float by = finer(tracer);
     const uint32_t which = (uint32_t)tracer->depth;
 #pragma GCC ivdep
     for (size_t k = 0; k < looks; k++) {
         const uint32_t j = look[k].point;
         const float cosine = fabsf(rnd_v3_dot(rnd_get(&paths->direction, j), rnd_get(&s->normal, j)));
-        /* longer by 1 / cosine one way alone: the mean of both */
-        const float footprint = rnd_larger(s->footprint[j], 1e-12f) / sqrtf(rnd_larger(cosine, 0.01f));
-        level[k] = rnd_larger(level[k] + roughly_log2(footprint) - finer, 0.0f);
+        level[k] = rnd_level_at(level[k], s->footprint[j], cosine, by);
         rnd_dither(paths->seed[j], paths->index[j], which, &r[k], &t[k]);
     }
     for (uint32_t k = 0; k < looks; k++) {
         const struct rnd_texture *texture = look[k].texture;
-        const int l = (int)rnd_smaller(level[k], (float)(texture->levels - 1));
-        const struct rnd_map *map = look[k].map;
-        const size_t texel = rnd_texture_pick(texture, map->wrap, tracer->look_x[k], tracer->look_y[k], l,
-                                              map->nearest ? 0.5f : r[k], map->nearest ? 0.5f : t[k]);
+        const float pick[2] = {r[k], t[k]};
+        const size_t texel =
+            rnd_map_texel(look[k].map, texture, tracer->look_x[k], tracer->look_y[k], level[k], pick);
         look[k].texel = texel;
         __builtin_prefetch(texture->bytes ? (const void *)(texture->bytes + 4 * texel)
                                           : (const void *)(texture->floats + 4 * texel));
     }
-}
-
-static struct rnd_v3 vertex_colour(const struct rnd_tracer *tracer, uint32_t j)
-{
-    const struct rnd_surfaces *s = &tracer->surfaces;
-    const struct rnd_record *record = &tracer->scene->record[s->record[j]];
-    const float u = s->u[j], v = s->v[j];
-    struct rnd_v3 c = rnd_v3_scale(rnd_record_colour(record->colour[0]), 1.0f - u - v);
-    c = rnd_v3_muladd(rnd_record_colour(record->colour[1]), u, c);
-    return rnd_v3_muladd(rnd_record_colour(record->colour[2]), v, c);
 }
 
 /* Factors and base colours of points begin to end. */
@@ -219,7 +178,8 @@ static void base_colours(struct rnd_tracer *tracer, uint32_t begin, uint32_t end
     for (uint32_t j = begin; j < end; j++) {
         const struct rnd_material *material = &scene->material[s->material[j]];
         struct rnd_v3 base = {material->base.x, material->base.y, material->base.z};
-        if (scene->mesh[s->mesh[j]].colour) base = rnd_v3_mul(base, vertex_colour(tracer, j));
+        if (scene->mesh[s->mesh[j]].colour)
+            base = rnd_v3_mul(base, rnd_vertex_colour(&scene->record[s->record[j]], s->u[j], s->v[j]));
         rnd_put(&s->base, j, base);
         if (material->map[RND_MAP_BASE].texture >= 0) note(tracer, &material->map[RND_MAP_BASE], j, &looks);
     }
@@ -258,18 +218,7 @@ static void reflectances(struct rnd_tracer *tracer, uint32_t begin, uint32_t end
     for (uint32_t j = begin; j < end; j++) s->alpha[j] = rnd_alpha(s->alpha[j]);
 }
 
-/* A point's tangent in the mesh's coordinates: that of the triangle, or between those of its corners. */
-static struct rnd_v3 tangent_at(const struct rnd_surfaces *s, uint32_t j, const uint32_t code[3])
-{
-    const struct rnd_v3 a = rnd_octahedral_decode(code[0]);
-    if (code[0] == code[1] && code[0] == code[2]) return a;
-    const float u = s->u[j], v = s->v[j];
-    struct rnd_v3 sum = rnd_v3_scale(rnd_v3_normalize(a), 1.0f - u - v);
-    sum = rnd_v3_muladd(rnd_v3_normalize(rnd_octahedral_decode(code[1])), u, sum);
-    return rnd_v3_muladd(rnd_v3_normalize(rnd_octahedral_decode(code[2])), v, sum);
-}
-
-/* Bend the normals by normal maps (glTF 2.0 section 3.9.3). */
+/* Bend the normals by normal maps. */
 static void bend_normals(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
 {
     const struct rnd_scene *scene = tracer->scene;
@@ -284,34 +233,12 @@ static void bend_normals(struct rnd_tracer *tracer, uint32_t begin, uint32_t end
     for (uint32_t k = 0; k < looks; k++) {
         const uint32_t j = look[k].point;
         const struct rnd_texel t = rnd_texture_texel(look[k].texture, look[k].texel);
-        const float scale = scene->material[s->material[j]].normal_scale, side = s->front[j] ? 1.0f : -1.0f;
-        const uint32_t *code = scene->record[s->record[j]].tangent;
-        const struct rnd_v3 n = rnd_get(&s->normal, j), outside = rnd_v3_scale(n, side);
-        struct rnd_v3 along = tangent_at(s, j, code);
-        float turn = code[0] & 1u ? -1.0f : 1.0f;
-        if (s->instance[j] != RTC_INVALID_GEOMETRY_ID) {
-            const struct rnd_instance *instance = &scene->instance[s->instance[j] - scene->mesh_count];
-            along = instance_vector(instance, along);
-            turn = instance->mirrors ? -turn : turn;
-        }
-        along = rnd_v3_muladd(outside, -rnd_v3_dot(along, outside), along);
-        const float length = sqrtf(rnd_v3_dot(along, along));
-        if (!(length > 1e-6f)) continue;
-        along = rnd_v3_scale(along, 1.0f / length);
-        const struct rnd_v3 across = rnd_v3_scale(rnd_v3_cross(outside, along), turn);
-        struct rnd_v3 bent = rnd_v3_scale(outside, 2.0f * t.b - 1.0f);
-        bent = rnd_v3_muladd(along, scale * (2.0f * t.r - 1.0f), bent);
-        /* green points up in the picture, and v down */
-        bent = rnd_v3_muladd(across, -scale * (2.0f * t.g - 1.0f), bent);
-        const float square = rnd_v3_dot(bent, bent);
-        if (!(square > 1e-12f)) continue;
-        bent = rnd_v3_scale(bent, side / sqrtf(square));
-        /* one that the ray sees from behind is bent until it is seen; one below the surface is not taken */
-        const struct rnd_v3 direction = rnd_get(&tracer->paths[1].direction, j),
-                            geometric = rnd_get(&s->geometric, j);
-        const float seen = 1e-2f, cosine = -rnd_v3_dot(bent, direction);
-        if (cosine < seen) bent = rnd_v3_normalize(rnd_v3_muladd(direction, cosine - seen, bent));
-        rnd_put(&s->normal, j, rnd_v3_dot(bent, geometric) > 0.0f ? bent : geometric);
+        struct rnd_tangent tangent = rnd_tangent_at(scene->record[s->record[j]].tangent, s->u[j], s->v[j]);
+        if (s->instance[j] != RTC_INVALID_GEOMETRY_ID)
+            tangent = rnd_tangent_to_world(&scene->instance[s->instance[j] - scene->mesh_count], tangent);
+        const struct rnd_facing facing = facing_at(tracer, j);
+        rnd_put(&s->normal, j,
+                rnd_bend_normal(&facing, tangent, scene->material[s->material[j]].normal_scale, t));
     }
 }
 

@@ -7,6 +7,7 @@
 #define FOVEAD_RENDERER_WAVE_H
 
 #include "light/choice.h"
+#include "material/shading.h"
 #include "material/surface.h"
 #include "math/sampler.h"
 #include "math/v3.h"
@@ -193,25 +194,9 @@ RND_INLINE void rnd_put(struct rnd_vectors *to, size_t i, struct rnd_v3 value)
     to->z[i] = value.z;
 }
 
-/* The mesh's normal in the world: it keeps its side, and not its length. */
-RND_INLINE struct rnd_v3 rnd_normal_to_world(const struct rnd_instance *instance, struct rnd_v3 n)
-{
-    const float *m = instance->normal_to_world;
-    return rnd_v3(m[0] * n.x + m[3] * n.y + m[6] * n.z, m[1] * n.x + m[4] * n.y + m[7] * n.z,
-                  m[2] * n.x + m[5] * n.y + m[8] * n.z);
-}
-
 RND_INLINE bool rnd_has_media(const struct rnd_tracer *tracer)
 {
     return tracer->scene->medium_count > 0;
-}
-
-/* How far off a surface rays begin: beyond what rounding may have moved the point into it, by its coordinates
- * and by the length of the ray that found it. */
-RND_INLINE float rnd_offset(struct rnd_v3 p, float distance)
-{
-    const float largest = rnd_larger(rnd_larger(fabsf(p.x), fabsf(p.y)), rnd_larger(fabsf(p.z), distance));
-    return largest * 0x1p-16f;
 }
 
 /* Do paths end at the surfaces of this step? */
@@ -240,14 +225,6 @@ RND_INLINE void rnd_draw_numbers(struct rnd_tracer *tracer, uint32_t which, uint
         u[j] = two.u;
         v[j] = two.v;
     }
-}
-
-/* Two further numbers for what needs no good distribution: which texel of four. */
-RND_INLINE void rnd_dither(uint32_t seed, uint32_t index, uint32_t which, float *out_r, float *out_s)
-{
-    const uint32_t h = rnd_hash(seed ^ (index * 0x9e3779b9u + which * 0x85ebca6bu));
-    *out_r = (float)(int32_t)(h & 0xffffu) * 0x1p-16f;
-    *out_s = (float)(int32_t)(h >> 16) * 0x1p-16f;
 }
 
 /* Limit of the luminance of light that arrives at a surface of the path; the first surface that the camera
