@@ -92,7 +92,7 @@ static void print_table(const struct comparison *c)
         else
             printf("%-10s %.6g", metric->label, c->measure[i].value);
         printf("%s%s  %s", metric->unit[0] ? " " : "", metric->unit, metric->summary);
-        if (metric->needs_density) printf(", at %.4g pixels a degree", c->ctl->ppd);
+        if (metric->needs_density) printf(", at %.4g pixels per degree", c->ctl->ppd);
         if (metric->range) printf("; %s", metric->range);
         printf("\n%s", c->measure[i].note);
     }

@@ -332,7 +332,7 @@ static bool compute(const struct rnd_pair *pair, const struct rnd_flip_exposures
                     struct rnd_measure *out_measure, char out_error[RND_ERROR_SIZE])
 {
     if (!(pair->pixels_per_degree >= 1.0f && pair->pixels_per_degree <= RND_FLIP_MAX_PPD)) {
-        snprintf(out_error, RND_ERROR_SIZE, "%g pixels a degree are not between 1 and %d",
+        snprintf(out_error, RND_ERROR_SIZE, "%g pixels per degree are not between 1 and %d",
                  pair->pixels_per_degree, RND_FLIP_MAX_PPD);
         return false;
     }

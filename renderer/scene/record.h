@@ -9,9 +9,9 @@
 #include <stdint.h>
 
 struct rnd_record {
-    uint32_t normal[3];  /* of the corners, octahedral: 16 bits each of two coordinates */
-    float uv[3][2];      /* of the corners, first set; 0 if the mesh has none */
-    float lod;           /* log2 of texture coordinates a metre; what a texture's size makes texels a metre */
+    uint32_t normal[3]; /* of the corners, octahedral: 16 bits each of two coordinates */
+    float uv[3][2];     /* of the corners, first set; 0 if the mesh has none */
+    float lod; /* log2 of texture coordinates per metre; with a texture's size, of texels per metre */
     uint32_t tangent[3]; /* of the corners, along u, octahedral; the lowest bit of the first: v grows against
                             cross(normal, tangent) */
     uint32_t colour[3];  /* of the corners: square roots of linear r, g, b, 10 bits each */

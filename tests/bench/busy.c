@@ -259,8 +259,8 @@ static const struct {
     [BATCH_P99] = {"gaze_to_batch_p99_ms", "                   p99", 1e3},
     [TILE_P50] = {"gaze_to_tile_p50_ms", "gaze to tile, ms:  p50", 1e3},
     [TILE_P99] = {"gaze_to_tile_p99_ms", "                   p99", 1e3},
-    [TILES] = {"tiles_per_second", "tiles a second to a client", 1},
-    [PATHS] = {"mpaths_per_second", "Mpaths a second", 1e-6},
+    [TILES] = {"tiles_per_second", "tiles per second to a client", 1},
+    [PATHS] = {"mpaths_per_second", "Mpaths per second", 1e-6},
     [DAEMON] = {"processors_of_daemon", "processors that fovead had", 1},
     [LOOP] = {"processors_of_a_loop", "processors that a busy loop had", 1},
 };

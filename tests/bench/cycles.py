@@ -52,7 +52,7 @@ def at_least(least):
 
 def parse(arguments):
     parser = Parser(prog="cycles.sh", description=(
-        "Mean radiance and paths a second of fovead and of Blender Cycles: same scene, light and camera, diffuse "
+        "Mean radiance and paths per second of fovead and of Blender Cycles: same scene, light and camera, diffuse "
         "materials."))
     add = parser.add_argument
     add("--fovead", default="build/release/fovead", metavar="PROGRAM", help="default: build/release/fovead")
@@ -287,14 +287,14 @@ def compare(setup, directory):
 
 
 def cycles_speed(setup, path, part, spp):
-    """Paths a second between a render of one path a pixel and one of many, so that what is done once does not count."""
+    """Paths per second between a render of one path per pixel and one of many, so that what is done once does not count."""
     few, few_seconds = cycles_scene.render(setup.race_width, 1, 1, path, part)
     paths, seconds = cycles_scene.render(setup.race_width, 1 + spp, 2, path, part)
     return (paths - few) / max(seconds - few_seconds, 1e-3)
 
 
 def fill_turn(setup, path, part):
-    """The paths a pixel by which Cycles fills a turn: more and more, until the time that they take can be told."""
+    """The paths per pixel by which Cycles fills a turn: more and more, until the time that they take can be told."""
     spp, seconds = 1, 0.0
     while seconds < 0.4 * setup.seconds:
         spp *= 2
@@ -303,7 +303,7 @@ def fill_turn(setup, path, part):
 
 
 def race(setup, directory):
-    """Rows of the second table: medians of paths a second."""
+    """Rows of the second table: medians of paths per second."""
     path = os.path.join(directory, "race.exr")
     until = ["--size", str(setup.race_width), "--until", "%gs" % setup.seconds]
     ways = {
@@ -350,7 +350,7 @@ def table(setup, triangles, means, speeds):
             "%+.2f %+.2f %+.2f %%" % tuple(100 * d for d in row["rgb_difference"]), row["agrees"]))
     if speeds:
         first = speeds[0]["paths_per_second"]
-        lines.append("paths a second, film %d x %d, %d threads each, medians of %d turns of %g s" %
+        lines.append("paths per second, film %d x %d, %d threads each, medians of %d turns of %g s" %
                      (setup.race_width, setup.race_width // 2, setup.threads, setup.turns, setup.seconds))
         for row in speeds:
             lines.append("%-16s %7.3f M   %5.2f x Cycles' panorama" % (

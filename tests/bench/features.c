@@ -131,7 +131,7 @@ static const char help[] =
     "it; with it in the file but used\n"
     "by nothing; and with it on a thing that no ray meets. Exits with 1 if either "
     "changes a bit of the picture.\n"
-    "  --paths N          of each room, four times a turn; default 16384\n"
+    "  --paths N          of each room, four times per turn; default 16384\n"
     "  --turns N          medians over so many are printed; default 15, some two minutes\n"
     "  --bounces N        default 4; 0: Russian roulette alone\n"
     "  --json             one JSON object instead of the table\n";
@@ -271,7 +271,7 @@ static void print_cost(const struct figures *f, const struct setup *setup, bool 
 
 static void print_table(const struct setup *setup, const struct figures *figures)
 {
-    printf("a small room, one thread, %d bounces, 4 times %d paths a turn, medians of %d turns and their "
+    printf("a small room, one thread, %d bounces, 4 times %d paths per turn, medians of %d turns and their "
            "standard "
            "errors\n",
            setup->bounces, setup->paths, setup->turns);

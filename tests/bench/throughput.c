@@ -29,14 +29,14 @@ struct figures {
     double paths[MAX_TURNS], rays[MAX_TURNS]; /* a second */
     double place[MAX_TURNS];                  /* s a path */
     double share[MAX_TURNS][6];               /* of the threads' time: see share_name */
-    double cpu[MAX_TURNS];                    /* paths a second of a processor's time */
+    double cpu[MAX_TURNS];                    /* paths per second of a processor's time */
     double traversal[MAX_TURNS];              /* the same for the same rays, Embree alone */
 };
 static const char *const share_name[6] = {"rays", "surface", "light", "scatter", "film", "place and wait"};
 
 static const char help[] =
     "usage: fovea-bench throughput [OPTION...]\n"
-    "Paths and rays a second, where the time goes, and the same rays traced again by Embree "
+    "Paths and rays per second, where the time goes, and the same rays traced again by Embree "
     "alone.\n" BENCH_SCENE_HELP
     "  --gaze A,E         azimuth (right) and elevation of the gaze, deg; default 30,-10\n"
     "  --width N          of the film, pixels; default 2048\n"

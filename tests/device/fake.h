@@ -33,7 +33,7 @@ extern const char *const fake_kind_names[FAKE_KINDS];
 struct fake *fake_create(void);
 void fake_destroy(struct fake *fake); /* unplugs what is plugged in */
 
-/* Plug in and start to send hz reports a second. Node numbers count up. */
+/* Plug in and start to send hz reports per second. Node numbers count up. */
 struct fake_device *fake_plug(struct fake *fake, enum fake_kind kind, double hz);
 void fake_unplug(struct fake_device *device);
 

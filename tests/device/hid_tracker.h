@@ -10,7 +10,7 @@ enum {
     HID_WIDTH_UM = 600000,
     HID_HEIGHT_UM = 340000,
     HID_RADIUS_UM = 100000,
-    HID_STEPS = 500, /* reports a turn */
+    HID_STEPS = 500, /* reports per turn */
     HID_REPORT = 65,
     HID_VENDOR = 0xdeed,
     HID_PRODUCT = 0xfeed,

@@ -17,7 +17,7 @@ unset FOVEAD_TOKEN
 refused 'no token: set FOVEAD_TOKEN' "$foveactl" --connect "$local" stats
 FOVEAD_TOKEN=sesame-opens "$foveactl" --connect "$local" stats >/dev/null || fail "the token does not open"
 
-# Guessing is slow however it is done: the tokens of one address are looked at one a second. Who is right waits for a turn.
+# Guessing is slow: tokens from one address are checked one per second, and a right one waits for its turn.
 began=$(date +%s%N)
 for guess in sesame sesame-open sesame-opens- Sesame-opens; do
     FOVEAD_TOKEN=$guess refused 'token is wrong' "$foveactl" --connect "$local" stats

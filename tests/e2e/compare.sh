@@ -11,7 +11,7 @@ near 0 good.exr good.exr
 near 0.3 good.exr noisy.exr --map map.png
 grep -q '"metric": "HDR-FLIP"' near.json && grep -q '"relative_rmse": [0-9]' near.json &&
     grep -q '"psnr_db": null' near.json || fail "$(cat near.json)"
-! (near 0.05 good.exr noisy.exr) 2>near.err || fail "two paths a pixel are taken for 16"
+! (near 0.05 good.exr noisy.exr) 2>near.err || fail "two paths per pixel are taken for 16"
 grep -q 'FLIP of good.exr noisy.exr is 0\.[0-9]*, where at most 0.05' near.err || fail "$(cat near.err)"
 near 0.4 good.exr noisy.exr --ldr --ppd 20
 grep -q '"metric": "LDR-FLIP"' near.json && grep -q '"psnr_db": [0-9]' near.json || fail "$(cat near.json)"

@@ -5,7 +5,7 @@ make_room
 make_log
 
 "$fovead" --scene room.obj --size 256x128 --until 3spp --save paths.exr --json >paths.json 2>paths.err
-[ "$(number paths paths.json)" = $((3 * 256 * 128)) ] || fail "not 3 paths a pixel: $(cat paths.json)"
+[ "$(number paths paths.json)" = $((3 * 256 * 128)) ] || fail "not 3 paths per pixel: $(cat paths.json)"
 grep -q '"mode": "od"' paths.json && grep -q '"gaze": "none"' paths.json || fail "$(cat paths.json)"
 [ "$(number not_finite paths.json)" = 0 ] || fail "$(cat paths.json)"
 "$programs/e2e_picture" paths.exr 256 128 >/dev/null

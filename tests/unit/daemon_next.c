@@ -136,7 +136,7 @@ static void an_outline_is_sent_coarsest_first_and_whole(void **state)
 
     paint(world, DMN_OUTLINE_PATHS);
     choose(world, FORWARD, LIMIT);
-    /* The two tiles of the last level, then the eight of the one before, which have a path a pixel. */
+    /* The two tiles of the last level, then the eight of the one before, which have a path per pixel. */
     assert_int_equal(world->count, 10);
     for (size_t i = 0; i < world->count; i++) assert_int_equal(world->places[i].level, i < 2 ? 5 : 4);
     choose(world, FORWARD, 2);

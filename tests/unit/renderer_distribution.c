@@ -172,7 +172,7 @@ static void polynomial_draws(void **state)
 }
 
 /* Acuity capped by a display: flat up to where the eye resolves no more than it shows (25.5 degrees at 12
- * pixels a degree: 7.49 / (0.3 e + 1)^2 = 6 / 60), then as ever; a display that is finer than the eye changes
+ * pixels per degree: 7.49 / (0.3 e + 1)^2 = 6 / 60), then as ever; a display that is finer than the eye changes
  * nothing. */
 static void capped_by_display(void **state)
 {
@@ -272,7 +272,7 @@ static struct rnd_aim spread(struct rnd_aim aim, float times)
     return aim;
 }
 
-/* The same for a display of so many pixels a degree. */
+/* The same for a display of so many pixels per degree. */
 static struct rnd_aim shown(struct rnd_aim aim, float pixels_per_degree)
 {
     aim.pixels_per_degree = pixels_per_degree;

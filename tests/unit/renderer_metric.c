@@ -73,7 +73,7 @@ static void make_test(bool hdr, int wrong, const float reference[COUNT], float o
     }
 }
 
-/* LDR, then HDR; each way of being wrong; at 67, 20 and 12 pixels a degree: mean, three quartiles, least,
+/* LDR, then HDR; each way of being wrong; at 67, 20 and 12 pixels per degree: mean, three quartiles, least,
  * largest, and the errors at 10,10, at 48,32 and at 95,63. */
 static const double EXPECTED[24][9] = {
     {0, .0025, .005, .0075, 0, 0, 0, 0, 0},

@@ -323,7 +323,7 @@ static void pupil_core_2d_among_3d(void **state)
     "START\t" time "0 \tLEFT\nSAMPLES\tGAZE\tLEFT\tRATE\t250\n" time "0\t960\t540\t1\t.\n" time "4\t" x      \
     "\t540\t1\t.\nEND\t" time "8 \tRES\t" res "\t" res "\n"
 
-/* Somebody comes nearer: the same coordinates, and more pixels a degree at the second time. */
+/* Somebody comes nearer: the same coordinates, and more pixels per degree at the second time. */
 static void eyelink_blocks_have_their_own_resolution(void **state)
 {
     (void)state;
