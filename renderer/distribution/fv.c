@@ -77,8 +77,8 @@ struct capped {
     double end, total;
 };
 
-/* The eye resolves 60 cycles a degree at its best, and a display half a cycle a pixel (Koskela 2016, section
- * 3). */
+/* The eye resolves 60 cycles per degree at its best, and a display half a cycle per pixel (Koskela 2016,
+ * section 3). */
 static struct capped capped_of(const struct rnd_aim *aim)
 {
     const double cap = aim->pixels_per_degree > 0.0f ? fmin(aim->pixels_per_degree / 120.0, 1.0) : 1.0;

@@ -106,11 +106,11 @@ static inline bool rnd_emits(const struct rnd_material *material)
 
 struct rnd_mesh {
     uint32_t vertices, triangles;
-    float *position; /* 3 a vertex, one float more for Embree's wide loads */
-    float *normal;   /* 3 a vertex, or NULL: flat */
-    float *uv[2];    /* 2 a vertex, or NULL: TEXCOORD_0 and _1 */
-    float *colour;   /* linear RGBA, 4 a vertex, or NULL: COLOR_0, which multiplies base and alpha */
-    float *tangent;  /* 4 a vertex: unit vector along u, and on which side of it v is (glTF 2.0
+    float *position; /* 3 per vertex, one float more for Embree's wide loads */
+    float *normal;   /* 3 per vertex, or NULL: flat */
+    float *uv[2];    /* 2 per vertex, or NULL: TEXCOORD_0 and _1 */
+    float *colour;   /* linear RGBA, 4 per vertex, or NULL: COLOR_0, which multiplies base and alpha */
+    float *tangent;  /* 4 per vertex: unit vector along u, and on which side of it v is (glTF 2.0
                         section 3.7.2.1), or NULL: they follow from texture coordinates */
     uint32_t (*index)[3];
     uint64_t first_record; /* of its triangles among the scene's records */

@@ -63,7 +63,7 @@ def parse(arguments):
     add("--gaze", type=numbers(2), default=(30.0, -10.0), metavar="A,E", help="azimuth (right) and elevation, deg; 30,-10")
     add("--bounces", type=at_least(1), default=4, metavar="N", help="fovead's: surfaces after the first; 4")
     add("--flat", action="store_true", help="leave out the vertices' normals: where they make a face look curved, Cycles "
-        "bends them towards the eye and darkens what it bent")
+        "bends them towards the camera and darkens what it bent")
     add("--threads", type=at_least(1), default=2, metavar="N", help="of both; 2")
     add("--width", type=at_least(128), default=512, metavar="N", help="of the panoramas compared; a multiple of 128; 512")
     add("--paths", type=float, default=4.0, metavar="N", help="millions, of each render that is compared; 4")

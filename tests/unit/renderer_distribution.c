@@ -292,7 +292,7 @@ static void make_aims(struct named_aim aims[AIMS])
         {"spread 1", spread(aim_of(20, 10, 0, 90, 90, (double[]){0.4, 0.2, -0.9}), 1)},
         {"spread 2", spread(aim_of(20, 10, 0, 90, 90, (double[]){0.4, 0.2, -0.9}), 2)},
         {"spread 4", spread(aim_of(-40, 0, 0, 90, 90, (double[]){-0.9, 0.1, -0.3}), 4)},
-        {"display of 12 a degree", shown(aim_of(20, 10, 0, 90, 90, (double[]){0.4, 0.2, -0.9}), 12)},
+        {"display of 12 per degree", shown(aim_of(20, 10, 0, 90, 90, (double[]){0.4, 0.2, -0.9}), 12)},
         {"display of 40, spread 2",
          shown(spread(aim_of(0, 80, 0, 90, 90, (double[]){0.1, 0.9, -0.1}), 2), 40)},
         {"display finer than the eye", shown(aim_of(0, 0, 0, 90, 90, (double[]){0, 0, -1}), 200)},

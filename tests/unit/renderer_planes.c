@@ -85,7 +85,7 @@ static void uniform(struct rnd_render *render, int per_pixel)
 /* --- a box without its lid, seen from its middle --- */
 
 enum { W = 256 };
-static const double half_box[3] = {2, 1.5, 2.5}, eye[3] = {0.3, -0.2, 0.4};
+static const double half_box[3] = {2, 1.5, 2.5}, camera[3] = {0.3, -0.2, 0.4};
 
 static const char *open_box(void)
 {
@@ -108,7 +108,7 @@ static int wall_at(const double d[3], int *out_side)
     double nearest = INFINITY;
     int axis = 0;
     for (int k = 0; k < 3; k++) {
-        const double t = d[k] == 0 ? INFINITY : (copysign(half_box[k], d[k]) - eye[k]) / d[k];
+        const double t = d[k] == 0 ? INFINITY : (copysign(half_box[k], d[k]) - camera[k]) / d[k];
         if (t < nearest) nearest = t, axis = k;
     }
     *out_side = d[axis] > 0 ? 1 : -1;
@@ -140,7 +140,7 @@ static void walls(void **state)
     static struct seen seen;
     int counts[2] = {0}, mixed = 0, instances[3][2] = {{0}};
     struct rnd_scene *scene = files_load(open_box(), files_env("white.exr", 1), NULL,
-                                         (float[]){(float)eye[0], (float)eye[1], (float)eye[2]});
+                                         (float[]){(float)camera[0], (float)camera[1], (float)camera[2]});
     const double *origin = scene->origin;
     struct rnd_render *render = make_with(scene, &shows_planes, W, "od", 2);
     uniform(render, 12);
@@ -164,7 +164,7 @@ static void walls(void **state)
         for (int c = 0; c < 3; c++) {
             assert_float_equal(albedo[c], colours[axis][s][c], 1e-3);
             assert_float_equal(normal[c], c == axis ? -side : 0, 1e-4);
-            d[c] = (double)position[c] + origin[c] - eye[c];
+            d[c] = (double)position[c] + origin[c] - camera[c];
             length += d[c] * d[c];
         }
         assert_float_equal(position[axis] + origin[axis], side * half_box[axis], 1e-5);
