@@ -129,6 +129,6 @@ int bench_startup(int count, char **arguments)
     printf("%-42s %8.3f s\n%-42s %8.3f s\n%-42s %8.3f s\n%-42s %8.3f s\n%-42s %8.3f s\n%-42s %8.1f bytes\n",
            "reading the file", median[READ], "tree, lights", median[BUILD], "film and first coarse picture",
            median[OUTLINE], "after the file is read", median[AFTER_READ],
-           "after the file is read, with all textures", median[TEXTURED], "a pixel of the film", largest);
+           "after the file is read, with all textures", median[TEXTURED], "per pixel of the film", largest);
     return 0;
 }
