@@ -32,10 +32,15 @@ struct rnd_render *rnd_render_create(const struct rnd_scene *scene, const struct
     pthread_mutex_init(&render->whole, NULL);
     render->generation = 1;
     render->image_program = rnd_image_program_share(scene->image_program);
+    render->material = scene->material;
+    const struct rnd_camera camera = rnd_camera_at(scene->info.camera, scene->origin);
     const float error_bar = options->error_bar > 0.0f ? options->error_bar : 0.05f;
-    if (rnd_film_init(&render->film, width, height, error_bar, row->planes) &&
-        rnd_reconstructor_init(&render->reconstructor, row, &render->film) &&
-        rnd_integrator_init(&render->integrator, scene, &render->film, &chosen))
+    if (rnd_film_init(&render->film, width, height, error_bar, row->planes, &camera) &&
+        (!row->keeps_history ||
+         rnd_film_init(&render->history, width, height, error_bar, row->planes, &camera)) &&
+        rnd_reconstructor_init(&render->reconstructor, row, &render->film,
+                               row->keeps_history ? &render->history : NULL) &&
+        rnd_integrator_init(&render->integrator, scene, &camera, &render->film, &chosen))
         return render;
 no_memory:
     snprintf(out_error, RND_ERROR_SIZE, "film of %d x %d: not enough memory or threads", width, height);
@@ -49,6 +54,7 @@ void rnd_render_destroy(struct rnd_render *render)
     rnd_integrator_finish(&render->integrator);
     rnd_reconstructor_finish(&render->reconstructor);
     rnd_film_finish(&render->film);
+    rnd_film_finish(&render->history);
     rnd_image_program_destroy(render->image_program);
     pthread_mutex_destroy(&render->whole);
     free(render);
@@ -59,43 +65,54 @@ int rnd_render_threads(const struct rnd_render *render)
     return render->integrator.workers;
 }
 
+/* --- history: the film of a former camera --- */
+
+static void forget(struct rnd_render *render)
+{
+    rnd_film_restart(&render->history, NULL, &render->integrator.camera, 0, render->integrator.pool);
+}
+
+/* The present film is better once it has as many paths. */
+static void compare(struct rnd_render *render)
+{
+    if (render->history.paths > 0 && render->film.paths >= render->history.paths) forget(render);
+}
+
 /* --- paths --- */
 
 void rnd_render_batch(struct rnd_render *render, const struct rnd_aim *aim, uint64_t now_ns, uint32_t paths,
                       struct rnd_batch *out_batch)
 {
     rnd_integrate(&render->integrator, aim, now_ns, paths, out_batch);
+    compare(render);
 }
 
 void rnd_render_outline(struct rnd_render *render, const struct rnd_aim *aim, uint64_t now_ns,
                         struct rnd_batch *out_batch)
 {
     rnd_integrate_outline(&render->integrator, aim, now_ns, out_batch);
+    compare(render);
 }
 
 void rnd_render_retrace(struct rnd_render *render, const struct rnd_aim *aim, uint32_t paths,
                         struct rnd_batch *out_batch, double *out_seconds)
 {
     rnd_integrate_twice(&render->integrator, aim, paths, out_batch, out_seconds);
-}
-
-/* Empty tiles first to end. */
-static void empty(void *context, uint32_t first, uint32_t end)
-{
-    struct rnd_render *render = context;
-    for (uint32_t t = first; t < end; t++)
-        rnd_film_empty(&render->film, &render->film.tile[t], render->generation);
+    compare(render);
 }
 
 void rnd_render_restart(struct rnd_render *render, const struct rnd_scene *scene, const double position[3])
 {
-    struct rnd_film *film = &render->film;
-    rnd_integrator_restart(&render->integrator, scene, position);
-    film->brightness = film->grain = 0.0f;
-    film->paths = film->next_survey = 0;
+    struct rnd_film *film = &render->film, *history = &render->history;
+    const struct rnd_camera camera = rnd_camera_at(position, scene->origin);
+    const bool edited = scene != render->integrator.scene || scene->material != render->material;
+    rnd_integrator_restart(&render->integrator, scene, &camera);
+    render->material = scene->material;
     render->generation++;
+    if (edited && history->paths > 0) forget(render);
+    const bool keep = history->tile && !edited && film->paths > history->paths;
     pthread_mutex_lock(&render->whole);
-    rnd_pool_share(render->integrator.pool, (uint32_t)(film->across * film->down), 64, empty, render);
+    rnd_film_restart(film, keep ? history : NULL, &camera, render->generation, render->integrator.pool);
     pthread_mutex_unlock(&render->whole);
 }
 

@@ -241,8 +241,8 @@ bool rnd_tile_settled(const struct rnd_render *render, const struct rnd_tile *ti
 
 /* What a client is shown of the tile (x, y) at a level: RND_TILE x RND_TILE x RGB floats, radiance, as the
  * render's reconstruction has it. The default fills pixels without a path from others of the tile. All pixels
- * of the film count alike, whatever the number of their paths. False if there is nothing to show yet, or if the
- * tile is being emptied, or is locked by a thread that the system has suspended: then try again later.
+ * of the film count alike, whatever the number of their paths. False if there is nothing to show yet, or if
+ * the tile is being emptied, or is locked by a thread that the system has suspended: then try again later.
  * *out_state (may be NULL) sums up the level-0 tiles that it covers. */
 bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *out_rgb,
                      struct rnd_tile *out_state);

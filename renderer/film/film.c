@@ -8,49 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool rnd_film_init(struct rnd_film *film, int width, int height, float error_bar, uint32_t planes)
-{
-    *film = (struct rnd_film){.width = width,
-                              .height = height,
-                              .across = width / RND_TILE,
-                              .down = height / RND_TILE,
-                              .error_bar = error_bar};
-    const size_t tiles = (size_t)film->across * (size_t)film->down;
-    film->tile = calloc(tiles, sizeof *film->tile);
-    film->published = calloc((tiles + 63) / 64, sizeof *film->published);
-    film->weighed = malloc(tiles * sizeof *film->weighed);
-    /* Fresh pages of the system cost nothing until a sample falls there. */
-    film->pixels = aligned_alloc(64, tiles * sizeof *film->pixels);
-    rnd_use_large_pages(film->pixels, tiles * sizeof *film->pixels);
-    rnd_planes_init(&film->planes, planes);
-    const size_t size = rnd_planes_size(&film->planes, RND_TILE_PIXELS, RND_TILE_BLOCKS);
-    if (size > 0) film->plane_memory = calloc(tiles, size);
-    rnd_use_large_pages(film->plane_memory, tiles * size);
-    if (!film->tile || !film->published || !film->weighed || !film->pixels ||
-        (size > 0 && !film->plane_memory))
-        return false;
-    for (size_t t = 0; t < tiles; t++) {
-        struct rnd_film_tile *tile = &film->tile[t];
-        pthread_mutex_init(&tile->lock, NULL);
-        tile->pixels = &film->pixels[t];
-        if (size > 0) tile->planes = film->plane_memory + t * size;
-        rnd_film_empty(film, tile, 1);
-    }
-    return true;
-}
-
-void rnd_film_finish(struct rnd_film *film)
-{
-    const int tiles = film->tile && film->tile->pixels ? film->across * film->down : 0;
-    for (int t = 0; t < tiles; t++) pthread_mutex_destroy(&film->tile[t].lock);
-    free(film->tile);
-    free(film->pixels);
-    free(film->plane_memory);
-    free(film->published);
-    free(film->weighed);
-    *film = (struct rnd_film){0};
-}
-
 /* --- what is known of a tile: published by whoever has its lock --- */
 
 static void publish(const struct rnd_film *film, struct rnd_film_tile *tile)
@@ -96,24 +53,135 @@ uint32_t rnd_film_published(const struct rnd_film *film, struct rnd_tile *tiles,
     return count;
 }
 
-/* --- writing --- */
+/* --- emptying a tile --- */
 
-void rnd_film_empty(const struct rnd_film *film, struct rnd_film_tile *tile, uint32_t generation)
+/* Take all paths out of a tile whose lock is held, or which nobody knows yet. */
+static void empty(const struct rnd_film *film, struct rnd_film_tile *tile, const struct rnd_camera *camera,
+                  uint32_t generation)
 {
-    pthread_mutex_lock(&tile->lock);
     memset(tile->block, 0, sizeof tile->block);
     if (tile->planes && tile->state.samples > 0)
         memset(tile->planes, 0, rnd_planes_size(&film->planes, 0, RND_TILE_BLOCKS));
     tile->state = (struct rnd_tile){
         .generation = generation, .unvisited = RND_TILE_PIXELS, .error = INFINITY, .sure_error = INFINITY};
+    tile->camera = *camera;
     tile->next_judgement = 2 * RND_TILE_PIXELS;
     tile->former_error = INFINITY;
     tile->grain = -1.0f;
     tile->spread = false;
     tile->listed = tile->drawn = 0;
     publish(film, tile);
-    pthread_mutex_unlock(&tile->lock);
 }
+
+/* Give the paths of a tile to a tile of another film, which is empty. The locks of both are held. */
+static void hand_over(struct rnd_film_tile *tile, const struct rnd_film *history,
+                      struct rnd_film_tile *former)
+{
+    struct rnd_film_pixels *pixels = former->pixels;
+    void *planes = former->planes;
+    former->pixels = tile->pixels;
+    former->planes = tile->planes;
+    tile->pixels = pixels;
+    tile->planes = planes;
+    former->state = tile->state;
+    former->camera = tile->camera;
+    former->spread = tile->spread;
+    former->listed = tile->listed;
+    memcpy(former->list, tile->list, sizeof former->list);
+    memcpy(former->block, tile->block, sizeof former->block);
+    publish(history, former);
+}
+
+/* --- life --- */
+
+bool rnd_film_init(struct rnd_film *film, int width, int height, float error_bar, uint32_t planes,
+                   const struct rnd_camera *camera)
+{
+    *film = (struct rnd_film){.width = width,
+                              .height = height,
+                              .across = width / RND_TILE,
+                              .down = height / RND_TILE,
+                              .error_bar = error_bar};
+    const size_t tiles = (size_t)film->across * (size_t)film->down;
+    film->tile = calloc(tiles, sizeof *film->tile);
+    film->published = calloc((tiles + 63) / 64, sizeof *film->published);
+    film->weighed = malloc(tiles * sizeof *film->weighed);
+    /* Fresh pages of the system cost nothing until a sample falls there. */
+    film->pixels = aligned_alloc(64, tiles * sizeof *film->pixels);
+    rnd_use_large_pages(film->pixels, tiles * sizeof *film->pixels);
+    rnd_planes_init(&film->planes, planes);
+    const size_t size = rnd_planes_size(&film->planes, RND_TILE_PIXELS, RND_TILE_BLOCKS);
+    if (size > 0) film->plane_memory = calloc(tiles, size);
+    rnd_use_large_pages(film->plane_memory, tiles * size);
+    if (!film->tile || !film->published || !film->weighed || !film->pixels ||
+        (size > 0 && !film->plane_memory))
+        return false;
+    for (size_t t = 0; t < tiles; t++) {
+        struct rnd_film_tile *tile = &film->tile[t];
+        pthread_mutex_init(&tile->lock, NULL);
+        tile->pixels = &film->pixels[t];
+        if (size > 0) tile->planes = film->plane_memory + t * size;
+        empty(film, tile, camera, 1);
+    }
+    return true;
+}
+
+void rnd_film_finish(struct rnd_film *film)
+{
+    const int tiles = film->tile && film->tile->pixels ? film->across * film->down : 0;
+    for (int t = 0; t < tiles; t++) pthread_mutex_destroy(&film->tile[t].lock);
+    free(film->tile);
+    free(film->pixels);
+    free(film->plane_memory);
+    free(film->published);
+    free(film->weighed);
+    *film = (struct rnd_film){0};
+}
+
+struct restart {
+    const struct rnd_film *film, *history;
+    const struct rnd_camera *camera;
+    uint32_t generation;
+};
+
+/* Tiles first to end. */
+static void restart(void *context, uint32_t first, uint32_t end)
+{
+    const struct restart *to = context;
+    for (uint32_t t = first; t < end; t++) {
+        struct rnd_film_tile *tile = &to->film->tile[t];
+        pthread_mutex_lock(&tile->lock);
+        if (to->history) {
+            struct rnd_film_tile *former = &to->history->tile[t];
+            pthread_mutex_lock(&former->lock);
+            empty(to->history, former, to->camera, 0);
+            hand_over(tile, to->history, former);
+            pthread_mutex_unlock(&former->lock);
+        }
+        empty(to->film, tile, to->camera, to->generation);
+        pthread_mutex_unlock(&tile->lock);
+    }
+}
+
+void rnd_film_restart(struct rnd_film *film, struct rnd_film *history, const struct rnd_camera *camera,
+                      uint32_t generation, struct rnd_pool *pool)
+{
+    struct restart to = {film, history, camera, generation};
+    rnd_pool_share(pool, (uint32_t)(film->across * film->down), 64, restart, &to);
+    if (history) { /* all tiles have each other's memory now */
+        struct rnd_film_pixels *pixels = history->pixels;
+        uint8_t *plane_memory = history->plane_memory;
+        history->pixels = film->pixels;
+        history->plane_memory = film->plane_memory;
+        history->paths = film->paths;
+        film->pixels = pixels;
+        film->plane_memory = plane_memory;
+    }
+    film->brightness = film->grain = 0.0f;
+    film->paths = film->next_survey = 0;
+}
+
+/* --- adding paths --- */
 
 uint32_t rnd_film_draw_listed(struct rnd_film_tile *tile, uint32_t pixel)
 {
@@ -237,6 +305,8 @@ void rnd_film_add(const struct rnd_film *film, struct rnd_film_tile *tile, const
     publish(film, tile);
     pthread_mutex_unlock(&tile->lock);
 }
+
+/* --- the whole film --- */
 
 /* Standard error of a pixel's luminance from its halves; 0 if one is empty. */
 static float pixel_error(const struct rnd_film_tile *tile, int i)

@@ -3,12 +3,20 @@
 #define FOVEAD_RENDERER_FILM_H
 
 #include "film/tile.h"
+#include "math/pool.h"
 
-/* planes: the set of those that it keeps. False if memory is short; finish it in any case. */
-bool rnd_film_init(struct rnd_film *film, int width, int height, float error_bar, uint32_t planes);
+/* An empty film of generation 1. planes: the set of those that it keeps. False if memory is short; finish
+ * it in any case. */
+bool rnd_film_init(struct rnd_film *film, int width, int height, float error_bar, uint32_t planes,
+                   const struct rnd_camera *camera);
 void rnd_film_finish(struct rnd_film *film);
-/* Take all paths out of a tile: it is as at first, but of that generation. */
-void rnd_film_empty(const struct rnd_film *film, struct rnd_film_tile *tile, uint32_t generation);
+
+/* Empty the film for the paths of a camera: it is as at first, but of that generation. If history is not
+ * NULL, its paths go there: to a film of the same size and planes, which loses its own. The threads of the
+ * pool share the work. Other threads may read both films meanwhile: each tile is whole, or empty, or a
+ * former one. */
+void rnd_film_restart(struct rnd_film *film, struct rnd_film *history, const struct rnd_camera *camera,
+                      uint32_t generation, struct rnd_pool *pool);
 
 /* The number of the next path of a pixel; the one after it has the next one. */
 uint32_t rnd_film_draw_listed(struct rnd_film_tile *tile, uint32_t pixel);
@@ -17,8 +25,8 @@ static inline uint32_t rnd_film_draw(struct rnd_film_tile *tile, uint32_t pixel)
     return tile->drawn > RND_FEW ? tile->pixels->drawn[pixel]++ : rnd_film_draw_listed(tile, pixel);
 }
 
-/* Add samples to a tile, with the values of the film's planes (film->planes.channels for each sample; NULL if it
- * has none). The tile remembers aim and now_ns as those of its newest batch. */
+/* Add samples to a tile, with the values of the film's planes (film->planes.channels for each sample; NULL
+ * if it has none). The tile remembers aim and now_ns as those of its newest batch. */
 void rnd_film_add(const struct rnd_film *film, struct rnd_film_tile *tile, const struct rnd_sample *samples,
                   const float *planes, uint32_t count, const struct rnd_aim *aim, uint64_t now_ns);
 

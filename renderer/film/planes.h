@@ -1,8 +1,8 @@
 /* Planes: what the film keeps of the first surfaces of its paths, beside their radiance.
  *
- * A film has the planes that its reconstruction asks for, and no others. A path's values are gathered where its
- * first ray has hit a surface; a path that hits nothing has 0 in every plane. So a mean over the paths of a pixel
- * is the mean over those that hit, times the plane "coverage".
+ * A film has the planes that its reconstruction asks for, and no others. A path's values are gathered where
+ * its first ray has hit a surface; a path that hits nothing has 0 in every plane. So a mean over the paths of
+ * a pixel is the mean over those that hit, times the plane "coverage".
  */
 #ifndef FOVEAD_RENDERER_PLANES_H
 #define FOVEAD_RENDERER_PLANES_H
@@ -18,7 +18,7 @@ enum rnd_plane_id {
     RND_PLANE_NORMAL,   /* shading normal in the world, facing the camera; the mean is not of unit length */
     RND_PLANE_POSITION, /* m, in the scene's own coordinates, as the camera's position */
     RND_PLANE_COVERAGE, /* share of the paths that hit a surface */
-    RND_PLANE_INSTANCE, /* number of the mesh or instance that was hit: from 1, exact up to 2^24; 0: nothing */
+    RND_PLANE_INSTANCE, /* number of the mesh or instance that was hit, from 1: exact up to 2^24; 0: none */
     RND_PLANES,
 };
 
@@ -62,12 +62,12 @@ void rnd_planes_gather(const struct rnd_planes *planes, const struct rnd_surface
 
 size_t rnd_planes_size(const struct rnd_planes *planes, uint32_t pixels, uint32_t blocks); /* bytes */
 
-/* Add a path's values to a pixel that has so many paths before it, and to its block. Records mean nothing before
- * their first path, and blocks must be 0. A block holds the sum of its pixels' means. */
+/* Add a path's values to a pixel that has so many paths before it, and to its block. Records mean nothing
+ * before their first path, and blocks must be 0. A block holds the sum of its pixels' means. */
 void rnd_planes_add(const struct rnd_planes *planes, void *record, float *block, uint32_t paths,
                     const float *values);
-/* Add a pixel's values to a sum, or the mean of a block's pixels, of which so many have paths. Of a plane that has
- * no mean, the last one counts. */
+/* Add a pixel's values to a sum, or the mean of a block's pixels, of which so many have paths. Of a plane
+ * that has no mean, the last one counts. */
 void rnd_planes_sum(const struct rnd_planes *planes, const void *record, float *sum);
 void rnd_planes_sum_block(const struct rnd_planes *planes, const float *block, uint32_t pixels, float *sum);
 /* Make a sum of so many values a mean. */

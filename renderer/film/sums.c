@@ -168,6 +168,7 @@ bool rnd_film_sums(const struct rnd_film *film, int level, int x, int y, struct 
         struct rnd_tile part;
         if (whole && lock_soon(tile)) {
             part = tile->state;
+            if (i == 0) out_sums->camera = tile->camera;
             const int left = dx * RND_TILE / span, top = dy * RND_TILE / span;
             if (part.samples > 0) add_tile(tile, span, left, top, out_sums);
             if (part.samples > 0 && out_planes) add_planes(film, tile, span, left, top, out_planes);

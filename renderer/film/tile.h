@@ -13,6 +13,7 @@
 
 #include "film/planes.h"
 #include "renderer.h"
+#include "space/camera.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -57,6 +58,8 @@ struct rnd_film_block {
 struct rnd_film_tile {
     pthread_mutex_t lock; /* guards all that follows, but for what is published and what is drawn */
     struct rnd_tile state;
+    struct rnd_camera
+        camera; /* where its paths begin: while a film is begun anew, not yet the same for all tiles */
     uint64_t next_judgement; /* samples at which the error is worth a look */
     float former_error;      /* sure error: of the last judgement alone, INFINITY before */
     float grain;             /* mean radiance of the paths that find light; negative before it is known */

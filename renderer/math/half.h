@@ -5,8 +5,8 @@
 #include <stdint.h>
 #include <string.h>
 
-/* The nearest half float, even where two are as near. What is too large becomes the largest one, 65504; x is not a
- * NaN. */
+/* The nearest half float, even where two are as near. What is too large becomes the largest one, 65504; x
+ * is not a NaN. */
 static inline uint16_t rnd_half_encode(float x)
 {
     uint32_t bits;

@@ -282,16 +282,18 @@ void rnd_integrate_twice(struct rnd_integrator *integrator, const struct rnd_aim
 
 /* --- life --- */
 
-static void go_to(struct rnd_integrator *integrator, const struct rnd_scene *scene, const double position[3])
+static void go_to(struct rnd_integrator *integrator, const struct rnd_scene *scene,
+                  const struct rnd_camera *camera)
 {
     integrator->scene = scene;
-    for (int k = 0; k < 3; k++) integrator->camera.position[k] = (float)(position[k] - scene->origin[k]);
+    integrator->camera = *camera;
     integrator->media = rnd_media_at(scene, integrator->camera.position);
     choose_evenly(integrator);
 }
 
 bool rnd_integrator_init(struct rnd_integrator *integrator, const struct rnd_scene *scene,
-                         struct rnd_film *film, const struct rnd_render_options *options)
+                         const struct rnd_camera *camera, struct rnd_film *film,
+                         const struct rnd_render_options *options)
 {
     const size_t workers = (size_t)options->threads;
     *integrator = (struct rnd_integrator){.film = film, .workers = options->threads};
@@ -307,7 +309,7 @@ bool rnd_integrator_init(struct rnd_integrator *integrator, const struct rnd_sce
                   rnd_tracer_create(scene, &integrator->choice, options->max_bounces, options->firefly,
                                     film->width, seed)) != NULL;
     }
-    if (ok) go_to(integrator, scene, scene->info.camera);
+    if (ok) go_to(integrator, scene, camera);
     return ok;
 }
 
@@ -322,9 +324,9 @@ void rnd_integrator_finish(struct rnd_integrator *integrator)
 }
 
 void rnd_integrator_restart(struct rnd_integrator *integrator, const struct rnd_scene *scene,
-                            const double position[3])
+                            const struct rnd_camera *camera)
 {
     for (int i = 0; i < integrator->workers; i++) rnd_tracer_scene(integrator->worker[i].tracer, scene);
-    go_to(integrator, scene, position);
+    go_to(integrator, scene, camera);
     integrator->places.next_cell = 0;
 }

@@ -23,16 +23,17 @@ struct rnd_integrator {
     struct rnd_places places;
 };
 
-/* Begin at the place that the scene's file gives the camera. The film, and the scene while it is in use, must
- * outlive the integrator. Of the options, threads is 1 or more, and size and error bar are the film's. False
- * if memory or threads are short; finish it in any case. */
+/* The film, and the scene while it is in use, must outlive the integrator. Of the options, threads is 1 or
+ * more, and size and error bar are the film's. False if memory or threads are short; finish it in any
+ * case. */
 bool rnd_integrator_init(struct rnd_integrator *integrator, const struct rnd_scene *scene,
-                         struct rnd_film *film, const struct rnd_render_options *options);
+                         const struct rnd_camera *camera, struct rnd_film *film,
+                         const struct rnd_render_options *options);
 void rnd_integrator_finish(struct rnd_integrator *integrator);
 
-/* Go on with this scene, from a position in the world (m), as if it were a new integrator. */
+/* Go on with this scene and camera, as if it were a new integrator. */
 void rnd_integrator_restart(struct rnd_integrator *integrator, const struct rnd_scene *scene,
-                            const double position[3]);
+                            const struct rnd_camera *camera);
 
 /* As rnd_render_batch(), rnd_render_outline() and rnd_render_retrace(). */
 void rnd_integrate(struct rnd_integrator *integrator, const struct rnd_aim *aim, uint64_t now_ns,

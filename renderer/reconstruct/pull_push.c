@@ -2,8 +2,8 @@
  * square around it that has some (Gortler, Grzeszczuk, Szeliski and Cohen 1996).
  *
  * The squares of pixels form a tree: each has four parts, down to single pixels. The mean of a square is the
- * mean of its parts that have paths; each part counts alike, whatever the number of its paths. From the top of
- * the tree down, every square hands its mean on to its parts. A part without a path takes the mean of the
+ * mean of its parts that have paths; each part counts alike, whatever the number of its paths. From the top
+ * of the tree down, every square hands its mean on to its parts. A part without a path takes the mean of the
  * square. A part whose paths have found no light yet may only have been unlucky: it takes a share of the
  * square's light too, and the other parts give as much, each in proportion to its own light. So a single
  * bright hit is spread over the square that it stands for, and the sum of the light stays the same.

@@ -6,10 +6,10 @@
 #include <string.h>
 
 bool rnd_reconstructor_init(struct rnd_reconstructor *reconstructor, const struct rnd_reconstruction *row,
-                            const struct rnd_film *film)
+                            const struct rnd_film *film, const struct rnd_film *history)
 {
     assert(row->radius >= 0 && row->radius <= RND_TILE);
-    *reconstructor = (struct rnd_reconstructor){.film = film};
+    *reconstructor = (struct rnd_reconstructor){.film = film, .history = history};
     if (row->begin && !row->begin(film->width, film->height, &reconstructor->memory)) return false;
     reconstructor->row = row;
     return true;
@@ -55,9 +55,9 @@ static void wrap(int width, int height, int *x, int *y)
     *x = (*x + 2 * width) % width;
 }
 
-/* Read the part of a window that lies dx tiles to the right of its own tile and dy below. All of it is of one
- * tile, since pictures are an even number of tiles across. False if that tile cannot be read, or is of another
- * generation. */
+/* Read the part of a window that lies dx tiles to the right of its own tile and dy below. All of it is of
+ * one tile, since pictures are an even number of tiles across. False if that tile cannot be read, or is of
+ * another generation. */
 static bool read_part(const struct rnd_reconstructor *reconstructor, const struct rnd_window *window, int dx,
                       int dy, struct room *room, struct rnd_tile *state)
 {
@@ -99,6 +99,8 @@ static bool run_large(const struct rnd_reconstructor *reconstructor, struct rnd_
     for (int i = 0; whole && reconstructor->row->radius > 0 && i < 9; i++)
         if (i != 4) whole = read_part(reconstructor, window, i % 3 - 1, i / 3 - 1, room, out_state);
     if (whole) {
+        window->camera = room->sums.camera;
+        window->generation = out_state->generation;
         window->pixel = room->pixel;
         window->values = room->values;
         whole = reconstructor->row->run(reconstructor->memory, window, out_rgb);
@@ -118,8 +120,11 @@ bool rnd_reconstruct(const struct rnd_reconstructor *reconstructor, int level, i
                                 .y = y,
                                 .side = RND_TILE + 2 * row->radius,
                                 .pixel = sums.pixel,
-                                .planes = &film->planes};
+                                .planes = &film->planes,
+                                .history = reconstructor->history};
     if (row->radius > 0 || row->planes) return run_large(reconstructor, &window, out_rgb, out_state);
-    return rnd_film_sums(film, level, x, y, &sums, NULL, out_state) &&
-           row->run(reconstructor->memory, &window, out_rgb);
+    if (!rnd_film_sums(film, level, x, y, &sums, NULL, out_state)) return false;
+    window.camera = sums.camera;
+    window.generation = out_state->generation;
+    return row->run(reconstructor->memory, &window, out_rgb);
 }

@@ -49,9 +49,11 @@ static void add_rounds(struct rnd_film *film, world look, double scale, int roun
 
 static void begin(struct rnd_render *render, int width)
 {
+    static const struct rnd_camera camera;
     *render = (struct rnd_render){0};
-    assert_true(rnd_film_init(&render->film, width, width / 2, 0.05f, 0));
-    assert_true(rnd_reconstructor_init(&render->reconstructor, rnd_reconstruction_at(0), &render->film));
+    assert_true(rnd_film_init(&render->film, width, width / 2, 0.05f, 0, &camera));
+    assert_true(
+        rnd_reconstructor_init(&render->reconstructor, rnd_reconstruction_at(0), &render->film, NULL));
 }
 
 /* Rounds until all of a film of that width is converged, at most so many. */

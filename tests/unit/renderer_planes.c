@@ -220,8 +220,8 @@ static bool is_inside(const double local[3])
     return fabs(local[0]) < 0.95 && fabs(local[2]) < 0.95 && fabs(local[0]) > 0.05;
 }
 
-/* All pixels that show the square, which is scaled, turned and moved, with that normal in its own coordinates.
- * Returns how many. */
+/* All pixels that show the square, which is scaled, turned and moved, with that normal in its own
+ * coordinates. Returns how many. */
 static int check_square(const struct seen *seen, const double *origin, const double turn[3][3],
                         const double scale[3], const double move[3], const double own_normal[3], int instance)
 {
@@ -290,7 +290,8 @@ static void materials(void **state)
             uniform(render, 3);
             look_at_planes(render, 0, &seen);
             for (int s = 0; s <= shared; s++) {
-                /* normals shrink where lengths grow; a map bends them along the surface as it is in the world */
+                /* normals shrink where lengths grow; a map bends them along the surface as it is in the
+                 * world */
                 const double stretched[3] = {oblique[0] / scale[s][0], oblique[1] / scale[s][1], 0};
                 const int count = check_square(&seen, scene->origin, turn[s], scale[s], move[s],
                                                k < 2 ? stretched : mapped, shared ? 2 + s : 0);

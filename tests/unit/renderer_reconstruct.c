@@ -3,6 +3,10 @@
 
 #include "film/film.h"
 #include "reconstruct/reconstruct.h"
+#include "render.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
 
 /* --- a row is asked for what is shown --- */
 
@@ -41,7 +45,8 @@ static bool run_stamp(void *memory, const struct rnd_window *window, float *out_
 static const struct rnd_reconstruction stamp = {
     .name = "stamp", .begin = begin, .run = run_stamp, .end = end};
 
-static struct rnd_render *make_shown(const struct rnd_reconstruction *row, char out_error[RND_ERROR_SIZE])
+static struct rnd_render *make_of(const struct rnd_scene *scene, const struct rnd_reconstruction *row,
+                                  char out_error[RND_ERROR_SIZE])
 {
     const struct rnd_render_options options = {.width = WIDTH,
                                                .height = HEIGHT,
@@ -49,7 +54,12 @@ static struct rnd_render *make_shown(const struct rnd_reconstruction *row, char 
                                                .seed = 42,
                                                .distribution = rnd_distribution_find("fv"),
                                                .reconstruction = row};
-    return rnd_render_create(room, &options, out_error);
+    return rnd_render_create(scene, &options, out_error);
+}
+
+static struct rnd_render *make_shown(const struct rnd_reconstruction *row, char out_error[RND_ERROR_SIZE])
+{
+    return make_of(room, row, out_error);
 }
 
 /* What is shown is the row's; what is resolved is the film's mean all the same. */
@@ -161,9 +171,9 @@ static void neighbours(void **state)
     struct rnd_reconstructor reconstructor;
     struct rnd_film film;
     struct rnd_tile tile;
-    assert_true(rnd_film_init(&film, WIDTH, HEIGHT, 0.05f, 0));
+    assert_true(rnd_film_init(&film, WIDTH, HEIGHT, 0.05f, 0, &(struct rnd_camera){0}));
     fill(&film);
-    assert_true(rnd_reconstructor_init(&reconstructor, &row, &film));
+    assert_true(rnd_reconstructor_init(&reconstructor, &row, &film, NULL));
     for (int level = 0; level < 3; level++)
         for (int t = 0; t < TILES >> 2 * level; t++) {
             const int across = film.across >> level;
@@ -173,7 +183,7 @@ static void neighbours(void **state)
             assert_int_equal(tile.samples, 2 * RND_TILE_PIXELS << 2 * level);
         }
     /* a neighbour of another generation: the picture begins anew just now */
-    rnd_film_empty(&film, &film.tile[1], 2);
+    film.tile[1].state.generation = 2;
     assert_false(rnd_reconstruct(&reconstructor, 0, 0, 0, rgb, &tile));
     assert_int_equal(tile.generation, 1);
     assert_true(rnd_reconstruct(&reconstructor, 0, 4, 1, rgb, &tile));
@@ -181,9 +191,279 @@ static void neighbours(void **state)
     rnd_film_finish(&film);
 }
 
+/* --- history --- */
+
+/* What a row found of a tile's history. */
+struct found {
+    bool any;
+    struct rnd_camera present, former;
+    float mean[RND_TILE * RND_TILE][3], paths[RND_TILE * RND_TILE];
+    bool astray; /* a position that the camera which is said to have seen it does not see there */
+};
+
+static _Thread_local struct found found;
+
+/* Does the camera see the position within pixel (x, y) of the film, or next to it? Near the poles pixels
+ * are too narrow to tell. */
+static bool sees(const struct rnd_camera *camera, const float position[3], int x, int y)
+{
+    double d[3], length = 0;
+    for (int c = 0; c < 3; c++) {
+        d[c] = (double)(position[c] - camera->position[c]);
+        length += d[c] * d[c];
+    }
+    const double u = (0.5 + atan2(d[0], -d[2]) / (2 * M_PI)) * WIDTH - x - 0.5,
+                 v = (0.5 - asin(d[1] / sqrt(length)) / M_PI) * HEIGHT - y - 0.5;
+    return y < HEIGHT / 4 || y >= 3 * HEIGHT / 4 || (fabs(u - WIDTH * round(u / WIDTH)) < 1 && fabs(v) < 1);
+}
+
+/* In a closed room every path hits something. */
+static void check_positions(const struct rnd_window *window, const struct rnd_camera *camera,
+                            const struct rnd_sum *sums, const float *values)
+{
+    for (int i = 0; i < RND_TILE_PIXELS; i++) {
+        const float *value = values + 4 * i; /* position and coverage */
+        if (sums[i].paths == 0) continue;
+        if (value[3] != 1 ||
+            !sees(camera, value, window->x * RND_TILE + i % RND_TILE, window->y * RND_TILE + i / RND_TILE))
+            found.astray = true;
+    }
+}
+
+static bool run_history(void *memory, const struct rnd_window *window, float *out_rgb)
+{
+    static _Thread_local struct rnd_sums sums;
+    static _Thread_local float planes[RND_TILE_PIXELS * 4];
+    (void)memory, (void)out_rgb;
+    memset(&found, 0, sizeof found);
+    found.present = window->camera;
+    check_positions(window, &window->camera, window->pixel, window->values);
+    found.any = rnd_window_history(window, window->level, window->x, window->y, &sums, planes);
+    if (!found.any) return true;
+    found.former = sums.camera;
+    check_positions(window, &sums.camera, sums.pixel, planes);
+    for (int i = 0; i < RND_TILE_PIXELS; i++) {
+        const struct rnd_sum *sum = &sums.pixel[i];
+        found.paths[i] = sum->paths;
+        for (int c = 0; c < 3 && sum->area > 0; c++) found.mean[i][c] = sum->light[c] / sum->area;
+    }
+    return true;
+}
+
+static const struct rnd_reconstruction keeper = {.name = "keeper",
+                                                 .planes = RND_PLANE(POSITION) | RND_PLANE(COVERAGE),
+                                                 .keeps_history = true,
+                                                 .run = run_history};
+
+/* In all tiles: there is no history (camera is NULL), or what that film had that was seen from there. */
+static void check_history(struct rnd_render *render, const struct film *film, const double *camera,
+                          bool is_closed)
+{
+    static float rgb[RND_TILE * RND_TILE * 3];
+    int tiles = 0;
+    for (int t = 0; t < TILES; t++) {
+        const int left = t % (WIDTH / RND_TILE) * RND_TILE, top = t / (WIDTH / RND_TILE) * RND_TILE;
+        assert_true(rnd_render_read(render, 0, left / RND_TILE, top / RND_TILE, rgb, NULL));
+        if (is_closed) assert_false(found.astray);
+        if (!camera) assert_false(found.any);
+        if (!found.any) continue; /* or no path fell there */
+        tiles++;
+        for (int c = 0; c < 3; c++) assert_float_equal(found.former.position[c], camera[c], 1e-6);
+        for (int i = 0; i < RND_TILE_PIXELS; i++) {
+            const int at = (top + i / RND_TILE) * WIDTH + left + i % RND_TILE;
+            assert_true(found.paths[i] == film->samples[at]);
+            assert_memory_equal(found.mean[i], &film->rgb[3 * at], sizeof found.mean[i]);
+        }
+    }
+    if (camera) assert_int_equal(tiles, TILES);
+}
+
+static const double places[4][3] = {{0, 0, 0}, {0.7, 0.2, 1}, {-0.6, -0.3, 0.8}, {1.1, 0.4, 0.5}};
+
+static void former_camera(void **state)
+{
+    (void)state;
+    static struct film film[2], plain;
+    char error[RND_ERROR_SIZE];
+    struct rnd_render *render = make_shown(&keeper, error), *other = make_shown(NULL, error);
+    assert_true(room->origin[0] == 0 && room->origin[1] == 0 && room->origin[2] == 0);
+    rnd_render_restart(render, room, places[0]);
+    look_around(render, 5, 6000);
+    check_history(render, NULL, NULL, true);
+    rnd_render_resolve(render, film[0].rgb, film[0].samples, film[0].error);
+
+    rnd_render_restart(render, room, places[1]);
+    check_history(render, &film[0], places[0], true); /* before there is a path */
+    look_around(render, 4, 6000);
+    check_history(render, &film[0], places[0], true); /* while there are fewer */
+    rnd_render_restart(render, room, places[2]);
+    check_history(render, &film[0], places[0], true); /* that was the better one */
+    look_around(render, 3, 8000);
+    check_history(render, &film[0], places[0], true);
+    look_around(render, 1, 6000);
+    check_history(render, NULL, NULL, true); /* as many paths as there were */
+    rnd_render_resolve(render, film[1].rgb, film[1].samples, film[1].error);
+    rnd_render_restart(render, room, places[3]);
+    check_history(render, &film[1], places[2], true);
+    look_around(render, 4, 6000);
+
+    /* the picture is what it is without history */
+    rnd_render_resolve(render, film[0].rgb, film[0].samples, film[0].error);
+    rnd_render_restart(other, room, places[3]);
+    look_around(other, 4, 6000);
+    rnd_render_resolve(other, plain.rgb, plain.samples, plain.error);
+    assert_memory_equal(&film[0], &plain, sizeof plain);
+    rnd_render_destroy(render);
+    rnd_render_destroy(other);
+}
+
+/* Of another scene, or one whose textures came, the former picture is no history. */
+static void edited(void **state)
+{
+    (void)state;
+    char error[RND_ERROR_SIZE];
+    const float colour[3] = {0.25f, 0.5f, 0.75f};
+    assert_true(files_image(files_path("colour.exr"), 1, 1, colour, false, error));
+    const char *material =
+                   "{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorTexture\":{\"index\":0}}}",
+               *more = ",\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"colour.exr\"}]", *warnings;
+    const struct rnd_scene_options options = {
+        .path = files_gltf("square.gltf", 3, "{\"mesh\":0,\"translation\":[0,-1,0]}", material, more),
+        .env_path = files_env("white.exr", 1),
+        .image_program = files_image_program(),
+        .textures_later = true,
+        .has_camera = true};
+    static struct film film;
+    struct rnd_scene *scene = rnd_scene_load(&options, error);
+    if (!scene) fail_msg("%s", error);
+    struct rnd_render *render = make_of(scene, &keeper, error);
+    assert_non_null(render);
+    look_around(render, 4, 6000);
+    rnd_render_resolve(render, film.rgb, film.samples, film.error);
+    rnd_render_restart(render, scene, places[1]);
+    const double from[3] = {-scene->origin[0], -scene->origin[1], -scene->origin[2]};
+    check_history(render, &film, from, false);
+    while (rnd_scene_take_textures(scene, &warnings) != RND_TEXTURES_CAME) usleep(1000);
+    rnd_render_restart(render, scene, places[1]);
+    check_history(render, NULL, NULL, false);
+
+    look_around(render, 4, 6000);
+    rnd_render_restart(render, scene, places[2]);
+    look_around(render, 1, 6000);
+    rnd_render_restart(render, room, places[2]); /* another scene */
+    rnd_scene_destroy(scene);
+    check_history(render, NULL, NULL, true);
+    look_around(render, 2, 6000);
+    check_history(render, NULL, NULL, true);
+    rnd_render_destroy(render);
+}
+
+/* One former film at most, and none for a row that does not want it. */
+static void history_memory(void **state)
+{
+    (void)state;
+    char error[RND_ERROR_SIZE];
+    struct rnd_render *render = make_shown(&keeper, error), *other = make_shown(&stamp, error);
+    const void *films[2] = {render->film.pixels, render->history.pixels},
+               *planes[2] = {render->film.plane_memory, render->history.plane_memory};
+    for (int i = 0; i < 12; i++) {
+        look_around(render, i % 5, 3000);
+        look_around(other, 1, 3000);
+        rnd_render_restart(render, room, places[i % 4]);
+        rnd_render_restart(other, room, places[i % 4]);
+        const bool turned = render->film.pixels != films[0];
+        assert_ptr_equal(render->film.pixels, films[turned]);
+        assert_ptr_equal(render->history.pixels, films[!turned]);
+        assert_ptr_equal(render->film.plane_memory, planes[turned]);
+        for (int t = 0; t < TILES; t++) {
+            assert_ptr_equal(render->film.tile[t].pixels, &render->film.pixels[t]);
+            assert_ptr_equal(render->history.tile[t].pixels, &render->history.pixels[t]);
+        }
+        assert_null(other->history.tile);
+        assert_null(other->history.pixels);
+    }
+    assert_true(render->history.paths > 0);
+    rnd_render_destroy(render);
+    rnd_render_destroy(other);
+}
+
+/* A tile without a path takes the memory of one that had some, and is empty all the same. */
+static void reused_memory(void **state)
+{
+    (void)state;
+    static const struct rnd_camera camera;
+    static const struct rnd_sample sample = {.pixel = 9, .rgb = {1, 2, 3}};
+    static const struct rnd_aim aim;
+    const float albedo[3] = {0.5f, 0.25f, 1};
+    struct rnd_film film, history;
+    struct rnd_pool *pool = rnd_pool_create(2);
+    assert_true(rnd_film_init(&film, WIDTH, HEIGHT, 0.05f, RND_PLANE(ALBEDO), &camera));
+    assert_true(rnd_film_init(&history, WIDTH, HEIGHT, 0.05f, RND_PLANE(ALBEDO), &camera));
+    for (uint32_t i = 0; i < 3;
+         i++) { /* tile 0, tile 1, and tile 0 once more, in the memory of the first time */
+        struct rnd_film_tile *tile = &film.tile[i % 2];
+        rnd_film_add(&film, tile, &sample, albedo, 1, &aim, 1);
+        const float *block = rnd_film_plane_block(&film, tile, 1);
+        for (int c = 0; c < 3; c++) assert_true(block[c] == albedo[c]);
+        rnd_film_restart(&film, &history, &camera, 2 + i, pool);
+        assert_int_equal(history.tile[i % 2].state.samples, 1);
+        assert_int_equal(history.tile[(i + 1) % 2].state.samples, 0);
+    }
+    rnd_film_finish(&film);
+    rnd_film_finish(&history);
+    rnd_pool_destroy(pool);
+}
+
+struct reader {
+    struct rnd_render *render;
+    atomic_bool quit;
+    _Atomic uint64_t astray, newer, histories;
+};
+
+/* Cameras go up the x axis. */
+static void *read_on(void *argument)
+{
+    struct reader *reader = argument;
+    static float rgb[RND_TILE * RND_TILE * 3];
+    while (!atomic_load(&reader->quit))
+        for (int t = 0; t < TILES; t++) {
+            const int across = WIDTH / RND_TILE;
+            if (!rnd_render_read(reader->render, 0, t % across, t / across, rgb, NULL)) continue;
+            reader->astray += found.astray;
+            reader->histories += found.any;
+            reader->newer += found.any && !(found.former.position[0] < found.present.position[0]);
+        }
+    return NULL;
+}
+
+/* Whoever reads while the camera moves sees pixels, planes and camera of one picture, and those of an
+ * earlier one. */
+static void readers(void **state)
+{
+    (void)state;
+    char error[RND_ERROR_SIZE];
+    struct rnd_render *render = make_shown(&keeper, error);
+    struct reader reader = {.render = render};
+    pthread_t thread;
+    assert_int_equal(pthread_create(&thread, NULL, read_on, &reader), 0);
+    for (int i = 0; i < 60 || (i < 100000 && reader.histories < 1000); i++) {
+        rnd_render_restart(render, room, (const double[]){0.3 + 1e-3 * i, 0, 0.3});
+        look_around(render, i % 3, 2000);
+    }
+    atomic_store(&reader.quit, true);
+    pthread_join(thread, NULL);
+    print_message("histories read: %llu\n", (unsigned long long)reader.histories);
+    assert_true(reader.histories >= 1000);
+    assert_int_equal(reader.astray, 0);
+    assert_int_equal(reader.newer, 0);
+    rnd_render_destroy(render);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(chosen), cmocka_unit_test(no_memory),
-                                       cmocka_unit_test(neighbours)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(chosen),        cmocka_unit_test(no_memory),
+                                       cmocka_unit_test(neighbours),    cmocka_unit_test(former_camera),
+                                       cmocka_unit_test(edited),        cmocka_unit_test(history_memory),
+                                       cmocka_unit_test(reused_memory), cmocka_unit_test(readers)};
     return cmocka_run_group_tests_name("renderer_reconstruct", tests, setup, teardown);
 }
