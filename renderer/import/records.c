@@ -21,19 +21,14 @@ static uint32_t colour(const float *rgba)
 
 /* Texture coordinates, their density, and their tangent on the triangle. */
 static void make_uv(struct rnd_record *record, const float *uv, const uint32_t index[3], struct rnd_v3 e1,
-                    struct rnd_v3 e2, struct rnd_v3 normal)
+                    struct rnd_v3 e2)
 {
     for (int k = 0; k < 3; k++)
         for (int c = 0; c < 2; c++) record->uv[k][c] = uv[2 * (size_t)index[k] + c];
-    const float u1 = record->uv[1][0] - record->uv[0][0], v1 = record->uv[1][1] - record->uv[0][1],
-                u2 = record->uv[2][0] - record->uv[0][0], v2 = record->uv[2][1] - record->uv[0][1];
-    const float area = u1 * v2 - u2 * v1, world = sqrtf(rnd_v3_dot(normal, normal));
-    if (area == 0.0f || !(world > 0.0f)) return;
-    record->lod = 0.5f * log2f(fabsf(area) / world);
-    /* (e1, e2) = (T, B) ((u1, u2), (v1, v2)), solved for T; only its direction counts. */
-    const struct rnd_v3 along =
-        rnd_v3_scale(rnd_v3_sub(rnd_v3_scale(e1, v2), rnd_v3_scale(e2, v1)), area > 0.0f ? 1.0f : -1.0f);
-    for (int k = 0; k < 3; k++) record->tangent[k] = (rnd_octahedral(along) & ~1u) | (area < 0.0f);
+    const struct rnd_uv_frame frame = rnd_uv_frame((const float(*)[2])record->uv, e1, e2);
+    if (!frame.spans) return;
+    record->lod = frame.lod;
+    for (int k = 0; k < 3; k++) record->tangent[k] = (rnd_octahedral(frame.along) & ~1u) | frame.mirrored;
 }
 
 /* Take the file's tangents, whose w is the side of the bitangent: up in the picture, against v. */
@@ -57,7 +52,7 @@ static void make(const struct rnd_mesh *mesh, uint32_t triangle, struct rnd_reco
         record->normal[k] = rnd_octahedral(mesh->normal ? corner(mesh->normal, index[k]) : normal);
         record->colour[k] = mesh->colour ? colour(mesh->colour + 4 * (size_t)index[k]) : UINT32_MAX;
     }
-    if (mesh->uv[0]) make_uv(record, mesh->uv[0], index, e1, e2, normal);
+    if (mesh->uv[0]) make_uv(record, mesh->uv[0], index, e1, e2);
     if (mesh->tangent) take_tangents(record, mesh->tangent, index);
 }
 

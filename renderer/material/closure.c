@@ -76,13 +76,13 @@ static int choose(const struct rnd_closure *closure, float *number)
     return k;
 }
 
-bool rnd_closure_sample(const struct rnd_closure *closure, const float u[3], struct rnd_bsdf_sample *out)
+bool rnd_closure_sample(const struct rnd_closure *closure, const float u[3], struct rnd_scattered *out)
 {
     const struct rnd_v3 geometric = rnd_to_v3(closure->sight.surface->geometric);
     struct rnd_lobe_sample sample = {.delta = false};
     if (closure->hidden) {
         const struct rnd_v3 on = rnd_v3_scale(closure->sight.towards, -1.0f);
-        *out = (struct rnd_bsdf_sample){rnd_from_v3(on), glms_vec3_one(), 1.0f, true};
+        *out = (struct rnd_scattered){rnd_from_v3(on), glms_vec3_one(), 1.0f, true};
         return true;
     }
     float number = u[2];

@@ -1,51 +1,91 @@
-/* The surface at a hit: what textures, vertex colours and normal maps make of a material at a point. */
+/* The surface at a point: what textures, vertex colours and normal maps make of a material there. */
 #include "material/point.h"
 #include "material/ggx.h"
 #include "material/glass.h"
 
 #include <string.h>
 
-/* One float next to another, step representable numbers away. */
-static float step_float(float x, int step)
-{
-    int32_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    bits += x < 0.0f ? -step : step;
-    memcpy(&x, &bits, sizeof bits);
-    return x;
-}
-
-vec3s rnd_leave(const struct rnd_surface *surface, vec3s direction)
-{
-    const float side = glms_vec3_dot(direction, surface->geometric) >= 0.0f ? 1.0f : -1.0f;
-    vec3s out;
-    for (int c = 0; c < 3; c++) {
-        const float p = surface->position.raw[c], n = side * surface->geometric.raw[c];
-        out.raw[c] = fabsf(p) < 1.0f / 32.0f ? p + n / 65536.0f : step_float(p, (int)(256.0f * n));
-    }
-    return out;
-}
-
-/* --- maps --- */
-
-/* A hit and what maps need of it. */
+/* A point, and what its maps are looked up by. */
 struct place {
     const struct rnd_scene *scene;
     const struct rnd_mesh *mesh;
     const struct rnd_material *material;
-    const uint32_t *index;
-    const struct rnd_instance *instance;
-    float u, v;
+    const struct rnd_record *record;
+    const struct rnd_point *point;
+    const struct rnd_facing *facing;
+    const struct rnd_filter *filter;
 };
+
+static const struct rnd_record *record_of(const struct rnd_scene *scene, const struct rnd_point *point)
+{
+    return &scene->record[scene->mesh[point->mesh].first_record + point->triangle];
+}
+
+/* --- what records do not hold: the second set of texture coordinates, tangents of a turned map --- */
+
+/* Of the triangle's corners. */
+struct corners {
+    float uv[3][2];
+    float lod; /* as a record has it */
+};
+
+/* How texture coordinates run over the triangle, in the mesh's coordinates. */
+static struct rnd_uv_frame uv_frame(const struct place *at, const float uv[3][2])
+{
+    const uint32_t *index = at->mesh->index[at->point->triangle];
+    struct rnd_v3 p[3];
+    for (int k = 0; k < 3; k++) p[k] = rnd_to_v3(rnd_vertex(at->mesh, index[k]));
+    return rnd_uv_frame(uv, rnd_v3_sub(p[1], p[0]), rnd_v3_sub(p[2], p[0]));
+}
+
+/* In the set of texture coordinates that a map has. */
+static struct corners corners_of(const struct place *at, const struct rnd_map *map)
+{
+    const uint32_t *index = at->mesh->index[at->point->triangle];
+    const float *uv = at->mesh->uv[1];
+    struct corners out;
+    if (map->uv_set == 0) {
+        memcpy(out.uv, at->record->uv, sizeof out.uv);
+        out.lod = at->record->lod;
+        return out;
+    }
+    for (int k = 0; k < 3; k++) memcpy(out.uv[k], uv + 2 * (size_t)index[k], sizeof out.uv[k]);
+    out.lod = uv_frame(at, (const float(*)[2])out.uv).lod;
+    return out;
+}
+
+static struct rnd_tangent tangent_of(const struct place *at, const struct rnd_map *map)
+{
+    static const float corner[3][2] = {{0, 0}, {1, 0}, {0, 1}};
+    if (at->mesh->tangent || (map->uv_set == 0 && !map->has_transform))
+        return rnd_tangent_at(at->record->tangent, at->point->u, at->point->v);
+    const struct corners own = corners_of(at, map);
+    float uv[3][2];
+    for (int k = 0; k < 3; k++) rnd_map_place(map, own.uv, corner[k][0], corner[k][1], &uv[k][0], &uv[k][1]);
+    const struct rnd_uv_frame frame = uv_frame(at, (const float(*)[2])uv);
+    return (struct rnd_tangent){frame.along, frame.mirrored ? -1.0f : 1.0f};
+}
+
+/* --- maps --- */
+
+static bool has_map(const struct place *at, const struct rnd_map *map)
+{
+    return map->texture >= 0 && at->mesh->uv[map->uv_set];
+}
 
 /* The texture of a map at the point; white if the factor stands alone. */
 static struct rnd_texel look(const struct place *at, enum rnd_map_use use)
 {
     const struct rnd_map *map = &at->material->map[use];
-    float uv[2];
-    if (map->texture < 0 || !at->mesh->uv[map->uv_set]) return (struct rnd_texel){1.0f, 1.0f, 1.0f, 1.0f};
-    rnd_map_uv(map, at->mesh, at->index, at->u, at->v, uv);
-    return rnd_texture_at(&at->scene->texture[map->texture], map->wrap, map->nearest, uv[0], uv[1]);
+    if (!has_map(at, map)) return (struct rnd_texel){1.0f, 1.0f, 1.0f, 1.0f};
+    const struct rnd_texture *texture = &at->scene->texture[map->texture];
+    const struct corners corners = corners_of(at, map);
+    const float cosine = fabsf(rnd_v3_dot(at->facing->direction, at->facing->shading)),
+                level = rnd_level_at(corners.lod + texture->log2_size, at->filter->footprint, cosine,
+                                     at->filter->finer);
+    float x, y;
+    rnd_map_place(map, corners.uv, at->point->u, at->point->v, &x, &y);
+    return rnd_texture_texel(texture, rnd_map_texel(map, texture, x, y, level, at->filter->pick));
 }
 
 static vec3s map_rgb(const struct place *at, enum rnd_map_use use)
@@ -54,84 +94,21 @@ static vec3s map_rgb(const struct place *at, enum rnd_map_use use)
     return (vec3s){{t.r, t.g, t.b}};
 }
 
-/* --- normals --- */
-
-/* The file's tangent at the point, and the bitangent's side of it. */
-static vec3s own_tangent(const struct place *at, float *out_side)
-{
-    const float *tangent = at->mesh->tangent;
-    vec3s along;
-    for (int c = 0; c < 3; c++) along.raw[c] = rnd_interpolate(tangent, 4, c, at->index, at->u, at->v);
-    *out_side = tangent[4 * (size_t)at->index[0] + 3] > 0.0f ? 1.0f : -1.0f;
-    if (!at->instance) return along;
-    if (at->instance->mirrors) *out_side = -*out_side;
-    return rnd_instance_direction(at->instance, along);
-}
-
-/* The directions along which a map's u and v grow over the triangle. */
-static void along_map(const struct place *at, const struct rnd_map *map, vec3s *out_u, vec3s *out_v)
-{
-    static const float place[3][2] = {{0, 0}, {1, 0}, {0, 1}};
-    float corner[3][2];
-    for (int k = 0; k < 3; k++) rnd_map_uv(map, at->mesh, at->index, place[k][0], place[k][1], corner[k]);
-    vec3s p[3];
-    for (int k = 0; k < 3; k++) {
-        p[k] = rnd_vertex(at->mesh, at->index[k]);
-        if (at->instance) p[k] = rnd_instance_point(at->instance, p[k]);
-    }
-    const vec3s e1 = glms_vec3_sub(p[1], p[0]), e2 = glms_vec3_sub(p[2], p[0]);
-    const float u1 = corner[1][0] - corner[0][0], v1 = corner[1][1] - corner[0][1],
-                u2 = corner[2][0] - corner[0][0], v2 = corner[2][1] - corner[0][1];
-    const float turn = u1 * v2 - u2 * v1 < 0.0f ? -1.0f : 1.0f;
-    *out_u = glms_vec3_scale(glms_vec3_sub(glms_vec3_scale(e1, v2), glms_vec3_scale(e2, v1)), turn);
-    *out_v = glms_vec3_scale(glms_vec3_sub(glms_vec3_scale(e2, u1), glms_vec3_scale(e1, u2)), turn);
-}
-
-/* The outside normal n bent by a normal map. glTF's texture space has u to the right, v down the image, and
- * green up it, so that the bitangent runs against v. */
-static vec3s map_normal(const struct place *at, enum rnd_map_use use, float scale, vec3s n)
+/* The shading normal as a normal map bends it. */
+static vec3s map_normal(const struct place *at, enum rnd_map_use use, float scale)
 {
     const struct rnd_map *map = &at->material->map[use];
-    vec3s along_u, along_v = glms_vec3_zero();
-    float side = 0.0f;
-    if (map->texture < 0 || !at->mesh->uv[map->uv_set]) return n;
-    if (at->mesh->tangent)
-        along_u = own_tangent(at, &side);
-    else
-        along_map(at, map, &along_u, &along_v);
-    vec3s x = glms_vec3_sub(along_u, glms_vec3_scale(n, glms_vec3_dot(n, along_u)));
-    const float length = glms_vec3_norm(x);
-    if (!(length > 0.0f)) return n; /* texture coordinates that span nothing */
-    x = glms_vec3_scale(x, 1.0f / length);
-    vec3s y = glms_vec3_cross(n, x);
-    if (side == 0.0f) side = glms_vec3_dot(y, along_v) > 0.0f ? -1.0f : 1.0f;
-    y = glms_vec3_scale(y, side);
-
-    const vec3s t = glms_vec3_subs(glms_vec3_scale(map_rgb(at, use), 2.0f), 1.0f);
-    vec3s out = glms_vec3_scale(n, t.z);
-    out = glms_vec3_muladds(x, scale * t.x, out);
-    out = glms_vec3_muladds(y, scale * t.y, out);
-    const float norm = glms_vec3_norm(out);
-    return norm > 0.0f ? glms_vec3_scale(out, 1.0f / norm) : n;
-}
-
-/* A normal of the outside turned to the side of the ray. One that the ray sees from behind is bent until it
- * is seen; one below the surface is not taken. */
-static vec3s facing(vec3s n, const struct rnd_surface *s, vec3s direction)
-{
-    const float seen = 1e-2f;
-    if (!s->front) n = glms_vec3_negate(n);
-    const float c = -glms_vec3_dot(n, direction);
-    if (c < seen) n = glms_vec3_normalize(glms_vec3_muladds(direction, c - seen, n));
-    return glms_vec3_dot(n, s->geometric) > 0.0f ? n : s->geometric;
+    if (!has_map(at, map)) return rnd_from_v3(at->facing->shading);
+    struct rnd_tangent tangent = tangent_of(at, map);
+    if (at->point->instance) tangent = rnd_tangent_to_world(at->point->instance, tangent);
+    return rnd_from_v3(rnd_bend_normal(at->facing, tangent, scale, look(at, use)));
 }
 
 /* --- the surface --- */
 
-static void layers_at(const struct place *at, vec3s smooth, vec3s direction, struct rnd_surface *out)
+static void layers_at(const struct place *at, struct rnd_layers *l)
 {
     const struct rnd_material *m = at->material;
-    struct rnd_layers *l = &out->layers;
     const float r = (m->ior - 1.0f) / (m->ior + 1.0f);
     l->specular = m->specular * look(at, RND_MAP_SPECULAR).a;
     l->f0 = glms_vec3_scale(glms_vec3_mul(m->specular_colour, map_rgb(at, RND_MAP_SPECULAR_COLOUR)), r * r);
@@ -139,53 +116,41 @@ static void layers_at(const struct place *at, vec3s smooth, vec3s direction, str
     l->transmission = m->transmission * map_rgb(at, RND_MAP_TRANSMISSION).x;
     l->coat = m->clearcoat * map_rgb(at, RND_MAP_CLEARCOAT).x;
     l->coat_alpha = rnd_alpha(m->clearcoat_roughness * map_rgb(at, RND_MAP_CLEARCOAT_ROUGHNESS).y);
-    l->coat_normal =
-        facing(map_normal(at, RND_MAP_CLEARCOAT_NORMAL, m->clearcoat_normal_scale, smooth), out, direction);
+    l->coat_normal = map_normal(at, RND_MAP_CLEARCOAT_NORMAL, m->clearcoat_normal_scale);
     l->sheen = glms_vec3_mul(m->sheen_colour, map_rgb(at, RND_MAP_SHEEN_COLOUR));
     l->sheen_roughness = m->sheen_roughness * look(at, RND_MAP_SHEEN_ROUGHNESS).a;
 }
 
-void rnd_surface_at(const struct rnd_scene *scene, const struct rnd_hit *hit, vec3s direction,
-                    struct rnd_surface *out)
+void rnd_surface_at(const struct rnd_scene *scene, const struct rnd_point *point,
+                    const struct rnd_facing *facing, const struct rnd_filter *filter, struct rnd_surface *out)
 {
-    const struct rnd_mesh *mesh = &scene->mesh[hit->mesh];
+    const struct rnd_mesh *mesh = &scene->mesh[point->mesh];
     const struct rnd_material *material = &scene->material[mesh->material];
-    const uint32_t *index = mesh->index[hit->triangle];
-    const struct place at = {scene, mesh, material, index, hit->instance, hit->u, hit->v};
-
+    const struct place at = {scene, mesh, material, record_of(scene, point), point, facing, filter};
     out->material = material;
-    for (int c = 0; c < 3; c++)
-        out->position.raw[c] = rnd_interpolate(mesh->position, 3, c, index, hit->u, hit->v);
-    if (hit->instance) out->position = rnd_instance_point(hit->instance, out->position);
-    const vec3s outside =
-        glms_vec3_normalize(hit->instance ? rnd_instance_normal(hit->instance, hit->normal) : hit->normal);
-    out->front = glms_vec3_dot(outside, direction) < 0.0f;
-    out->geometric = out->front ? outside : glms_vec3_negate(outside);
-    vec3s smooth = outside;
-    if (mesh->normal) {
-        vec3s n;
-        for (int c = 0; c < 3; c++) n.raw[c] = rnd_interpolate(mesh->normal, 3, c, index, hit->u, hit->v);
-        n = glms_vec3_normalize(hit->instance ? rnd_instance_normal(hit->instance, n) : n);
-        const float side = out->front ? 1.0f : -1.0f;
-        if (side * glms_vec3_dot(n, direction) < 0.0f && glms_vec3_dot(n, outside) > 0.0f) smooth = n;
-    }
-    out->shading = out->front ? smooth : glms_vec3_negate(smooth);
-    if (material->map[RND_MAP_NORMAL].texture >= 0)
-        out->shading =
-            facing(map_normal(&at, RND_MAP_NORMAL, material->normal_scale, smooth), out, direction);
-
-    out->base = material->base;
-    out->metallic = material->metallic;
-    const float roughness = material->roughness;
+    out->position = rnd_from_v3(point->position);
+    out->front = facing->side > 0.0f;
+    out->geometric = rnd_from_v3(facing->geometric);
+    out->shading = map_normal(&at, RND_MAP_NORMAL, material->normal_scale);
+    out->base = glms_vec3_mul(material->base, map_rgb(&at, RND_MAP_BASE));
     if (mesh->colour)
-        for (int c = 0; c < 3; c++)
-            out->base.raw[c] *= rnd_interpolate(mesh->colour, 4, c, index, hit->u, hit->v);
-    out->base = glms_vec3_mul(out->base, map_rgb(&at, RND_MAP_BASE));
+        out->base = glms_vec3_mul(out->base, rnd_from_v3(rnd_vertex_colour(at.record, point->u, point->v)));
     const struct rnd_texel mr = look(&at, RND_MAP_METAL_ROUGH);
-    out->metallic *= mr.b;
-    out->alpha = rnd_alpha(roughness * mr.g);
-    if (material->kind != RND_RICH) return;
-    layers_at(&at, smooth, direction, out);
+    out->metallic = material->metallic * mr.b;
+    out->alpha = rnd_alpha(material->roughness * mr.g);
+    layers_at(&at, &out->layers);
     out->pane = rnd_is_pane(mesh, material);
     out->between = rnd_interface_in_air(material, out->front);
+}
+
+struct rnd_facing rnd_facing_at(const struct rnd_scene *scene, const struct rnd_point *point,
+                                struct rnd_v3 normal, struct rnd_v3 direction)
+{
+    const uint32_t *code = record_of(scene, point)->normal;
+    struct rnd_v3 smooth = rnd_smooth_normal(code[0], code[1], code[2], point->u, point->v);
+    if (point->instance) {
+        normal = rnd_normal_to_world(point->instance, normal);
+        smooth = rnd_normal_to_world(point->instance, smooth);
+    }
+    return rnd_face(normal, smooth, direction);
 }

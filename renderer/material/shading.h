@@ -35,9 +35,10 @@ RND_INLINE struct rnd_facing rnd_face(struct rnd_v3 normal, struct rnd_v3 smooth
 RND_INLINE struct rnd_v3 rnd_smooth_normal(uint32_t code_a, uint32_t code_b, uint32_t code_c, float u,
                                            float v)
 {
-    struct rnd_v3 sum = rnd_v3_scale(rnd_v3_normalize(rnd_octahedral_decode(code_a)), 1.0f - u - v);
-    sum = rnd_v3_muladd(rnd_v3_normalize(rnd_octahedral_decode(code_b)), u, sum);
-    return rnd_v3_muladd(rnd_v3_normalize(rnd_octahedral_decode(code_c)), v, sum);
+    const struct rnd_v3 a = rnd_v3_normalize(rnd_octahedral_decode(code_a)),
+                        b = rnd_v3_normalize(rnd_octahedral_decode(code_b)),
+                        c = rnd_v3_normalize(rnd_octahedral_decode(code_c));
+    return rnd_v3_muladd(c, v, rnd_v3_muladd(b, u, rnd_v3_scale(a, 1.0f - u - v)));
 }
 
 /* A normal of a mesh in the world: it keeps its side, and not its length. */

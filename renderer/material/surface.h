@@ -1,14 +1,14 @@
-/* A point on a surface as its material is there: what BSDFs are evaluated from and drawn from. */
+/* A point on a surface, with its material as textures make it there: what closures are made of. */
 #ifndef FOVEAD_RENDERER_SURFACE_H
 #define FOVEAD_RENDERER_SURFACE_H
 
 #include "math/v3.h"
 #include "scene/scene.h"
 
-/* What RND_RICH has besides; glTF's textures are in it. */
+/* What glTF's extensions add, textures included. */
 struct rnd_layers {
-    vec3s f0; /* of the non-metal, by channel */
-    float specular;
+    vec3s f0;       /* of the non-metal, by channel */
+    float specular; /* reflectance of the non-metal at grazing angles */
     float transmission;
     float coat, coat_alpha; /* clearcoat */
     vec3s coat_normal;      /* unit, on the side of the ray */
@@ -18,12 +18,11 @@ struct rnd_layers {
 
 /* The border of a volume at a point: what is in front of it, where the ray came from, and behind. */
 struct rnd_interface {
-    float eta;     /* index behind over index in front */
-    float squeeze; /* factor of radiance that is refracted: see path/media.h */
-    const struct rnd_glass
-        *glass;  /* of the material's own medium in the other; NULL: no facets to speak of */
-    bool inside; /* the material's own medium is in front */
-    bool hidden; /* the same medium is on both sides: nothing is there */
+    float eta;                     /* index behind over index in front */
+    float squeeze;                 /* factor of radiance that is refracted: see path/media.h */
+    const struct rnd_glass *glass; /* of the material's own medium in the other one, or NULL: none is known */
+    bool inside;                   /* the material's own medium is in front */
+    bool hidden;                   /* the same medium is on both sides: light goes straight on */
 };
 
 /* A point that a ray hit. Normals face the side that the ray came from. */
@@ -33,20 +32,11 @@ struct rnd_surface {
     vec3s geometric, shading; /* unit normals */
     bool front;               /* hit from the outside: the side of the triangle's own normal */
     vec3s base;
-    float metallic, alpha;    /* GGX alpha: roughness squared */
-    struct rnd_layers layers; /* set for RND_RICH alone, as what follows */
-    bool pane;
-    struct rnd_interface
-        between; /* of what has a volume: by rnd_surface_at() with air, else see path/media.h */
-};
-
-/* What a ray hit. */
-struct rnd_hit {
-    uint32_t mesh, triangle; /* mesh is RTC_INVALID_GEOMETRY_ID if it hit nothing */
-    float u, v;              /* barycentric */
-    float distance;
-    vec3s normal; /* of the triangle, of any length: its outside is where the vertices turn left */
-    const struct rnd_instance *instance; /* through which the mesh is seen, or NULL: the world's own */
+    float metallic, alpha; /* GGX alpha: roughness squared */
+    struct rnd_layers layers;
+    bool pane; /* rays that the pane lets through do not hit it: see material/glass.h */
+    /* Of a material with a volume. rnd_surface_at() takes the other side to be air; path/media.h knows. */
+    struct rnd_interface between;
 };
 
 /* The border of a material with a volume in air, met from its front or its back. */
@@ -56,13 +46,6 @@ static inline struct rnd_interface rnd_interface_in_air(const struct rnd_materia
     return (struct rnd_interface){
         .eta = eta, .squeeze = 1.0f / (eta * eta), .glass = material->glass[0], .inside = !front};
 }
-
-struct rnd_bsdf_sample {
-    vec3s wi;
-    vec3s weight; /* BSDF times cosine over density */
-    float pdf;    /* per steradian; meaningless if delta */
-    bool delta;   /* a single direction: next-event estimation cannot find it */
-};
 
 static inline struct rnd_v3 rnd_to_v3(vec3s a)
 {

@@ -4,9 +4,11 @@
  * direction, in air. In a window, whose two sides are parallel, that is the true angle at both of them. Media
  * absorb along the way between. */
 #include "path/clear.h"
-#include "material/point.h"
 #include "path/ray.h"
 #include "material/closure.h"
+#include "math/sampler.h"
+
+#include <string.h>
 
 /* Surfaces that light gets through: what is behind more is dark. */
 enum { MOST_SURFACES = 64 };
@@ -26,21 +28,24 @@ bool rnd_clear_is_free(const struct rnd_scene *scene, struct rnd_v3 origin, stru
     return !next_surface(scene, origin, direction, 0.0f, distance, &hit);
 }
 
-static struct rnd_surface surface_at(const struct rnd_scene *scene, const struct RTCRayHit *hit,
-                                     struct rnd_v3 direction)
+/* The surface that a ray hit, at the finest level of its textures: a shadow ray has no cone. Its texels are
+ * picked by a hash of the ray. */
+static struct rnd_surface surface_at(const struct rnd_scene *scene, const struct RTCRayHit *hit)
 {
+    const float numbers[] = {hit->ray.org_x, hit->ray.org_y, hit->ray.org_z,
+                             hit->ray.dir_x, hit->ray.dir_y, hit->ray.dir_z};
+    struct rnd_filter filter = {.footprint = 0.0f};
+    struct rnd_facing facing;
     struct rnd_surface surface;
-    uint32_t mesh;
-    const struct rnd_instance *instance = rnd_resolve_hit(scene, hit->hit.geomID, hit->hit.instID[0], &mesh);
-    rnd_surface_at(scene,
-                   &(struct rnd_hit){.mesh = mesh,
-                                     .instance = instance,
-                                     .triangle = hit->hit.primID,
-                                     .u = hit->hit.u,
-                                     .v = hit->hit.v,
-                                     .distance = hit->ray.tfar,
-                                     .normal = {{hit->hit.Ng_x, hit->hit.Ng_y, hit->hit.Ng_z}}},
-                   rnd_from_v3(direction), &surface);
+    uint32_t hash = 0;
+    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) {
+        uint32_t bits;
+        memcpy(&bits, &numbers[k], sizeof bits);
+        hash = rnd_hash2(hash, bits);
+    }
+    rnd_dither(hash, hit->hit.primID, hit->hit.geomID, &filter.pick[0], &filter.pick[1]);
+    const struct rnd_point point = rnd_point_of(scene, hit, &facing);
+    rnd_surface_at(scene, &point, &facing, &filter, &surface);
     return surface;
 }
 
@@ -55,7 +60,7 @@ struct rnd_v3 rnd_clear_transmittance(const struct rnd_scene *scene, rnd_media m
     *out_any = false;
     for (int i = 0; next_surface(scene, origin, direction, near, distance, &hit); i++) {
         if (i == MOST_SURFACES || !(rnd_v3_max(left) > 0.0f)) return rnd_v3(0, 0, 0);
-        struct rnd_surface surface = surface_at(scene, &hit, direction);
+        struct rnd_surface surface = surface_at(scene, &hit);
         const uint32_t medium = surface.material->medium;
         left = rnd_v3_mul(left, rnd_media_transmittance(scene, media, hit.ray.tfar - last));
         if (medium) media = surface.front ? rnd_media_enter(media, medium) : rnd_media_leave(media, medium);

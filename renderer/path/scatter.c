@@ -176,7 +176,7 @@ static void rich(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
         const struct rnd_surface *surface = &tracer->rich[j - begin];
         const vec3s wo = glms_vec3_negate(rnd_from_v3(rnd_get(&tracer->paths[1].direction, j)));
         struct rnd_closure closure;
-        struct rnd_bsdf_sample sample;
+        struct rnd_scattered sample;
         struct rnd_v3 light = {0, 0, 0};
         rnd_closure_at(surface, wo, &closure);
         if (lights->pdf[j] > 0.0f && !is_drawn_before(tracer, j)) {

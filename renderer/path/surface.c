@@ -78,11 +78,8 @@ static void face(struct rnd_tracer *tracer, uint32_t count)
     }
 #pragma GCC ivdep
     for (size_t j = 0; j < count; j++) {
-        const struct rnd_v3 a = rnd_v3_normalize(rnd_octahedral_decode(corner[0][j])),
-                            b = rnd_v3_normalize(rnd_octahedral_decode(corner[1][j])),
-                            c = rnd_v3_normalize(rnd_octahedral_decode(corner[2][j]));
-        const float u = s->u[j], v = s->v[j];
-        const struct rnd_v3 smooth = rnd_v3_muladd(c, v, rnd_v3_muladd(b, u, rnd_v3_scale(a, 1.0f - u - v)));
+        const struct rnd_v3 smooth =
+            rnd_smooth_normal(corner[0][j], corner[1][j], corner[2][j], s->u[j], s->v[j]);
         const struct rnd_facing facing =
             rnd_face(rnd_get(&s->geometric, j), smooth, rnd_get(&paths->direction, j));
         rnd_put(&s->geometric, j, facing.geometric);
@@ -267,18 +264,19 @@ static void rich_points(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
     const struct rnd_surfaces *s = &tracer->surfaces;
     struct rnd_paths *paths = &tracer->paths[1];
     for (uint32_t j = begin; j < end; j++) {
-        const uint32_t i = tracer->scratch.surface.order[j];
-        const vec3s direction = rnd_from_v3(rnd_get(&paths->direction, j));
-        struct rnd_hit hit = {.mesh = s->mesh[j],
-                              .triangle = s->triangle[j],
-                              .u = s->u[j],
-                              .v = s->v[j],
-                              .distance = s->distance[j],
-                              .normal = rnd_from_v3(rnd_get(&tracer->hits.normal, i))};
+        struct rnd_point point = {.mesh = s->mesh[j],
+                                  .triangle = s->triangle[j],
+                                  .u = s->u[j],
+                                  .v = s->v[j],
+                                  .position = rnd_get(&paths->origin, j)};
         if (s->instance[j] != RTC_INVALID_GEOMETRY_ID)
-            hit.instance = &scene->instance[s->instance[j] - scene->mesh_count];
+            point.instance = &scene->instance[s->instance[j] - scene->mesh_count];
+        struct rnd_filter filter = {.footprint = s->footprint[j], .finer = finer(tracer)};
+        rnd_dither(paths->seed[j], paths->index[j], (uint32_t)tracer->depth, &filter.pick[0],
+                   &filter.pick[1]);
+        const struct rnd_facing facing = facing_at(tracer, j);
         struct rnd_surface *surface = &tracer->rich[j - begin];
-        rnd_surface_at(scene, &hit, direction, surface);
+        rnd_surface_at(scene, &point, &facing, &filter, surface);
         if (surface->material->medium) pass_border(tracer, j, surface);
         if (surface->material->unlit)
             rnd_add_radiance(tracer, paths->id[j],

@@ -11,8 +11,7 @@
 #include "light/env.h"
 #include "light/light.h"
 #include "path/ray.h"
-#include "material/bsdf.h"
-#include "material/point.h"
+#include "material/closure.h"
 #include "math/sampler.h"
 
 #include <stdatomic.h>
@@ -61,30 +60,45 @@ static float through_glass(const struct rnd_scene *scene, const struct rnd_surfa
     return rnd_v3_luminance(rnd_clear_transmittance(scene, 0, from, to, shadow->tfar, &any));
 }
 
-/* Luminance that a group gives to a surface if it is asked, weighted as the integrator weights it (roughly,
+/* A point of a path. */
+struct vertex {
+    float distance; /* of the ray that found it, m */
+    struct rnd_surface surface;
+    struct rnd_closure closure;
+};
+
+/* Where a ray in that direction begins. */
+static vec3s leave_surface(const struct vertex *at, vec3s direction)
+{
+    const struct rnd_v3 p = rnd_to_v3(at->surface.position),
+                        step = rnd_step_off(p, at->distance, rnd_to_v3(at->surface.geometric),
+                                            rnd_to_v3(direction));
+    return rnd_from_v3(rnd_v3_add(p, step));
+}
+
+/* Luminance that a group gives to a point if it is asked, weighted as the integrator weights it (roughly,
  * where glass is clear). *out_light is what was drawn, if it gives anything. */
-static float ask(const struct survey *survey, int group, const struct rnd_surface *surface, vec3s wo,
-                 const float u[4], struct rnd_light_sample *out_light)
+static float ask(const struct survey *survey, int group, const struct vertex *at, const float u[4],
+                 struct rnd_light_sample *out_light)
 {
     const struct rnd_scene *scene = survey->scene;
+    const vec3s p = at->surface.position;
     float pdf;
-    const vec3s p = surface->position;
-    if (!rnd_light_draw(scene, &survey->choice, group, rnd_v3(p.x, p.y, p.z), u, out_light)) return 0.0f;
+    if (!rnd_light_draw(scene, &survey->choice, group, rnd_to_v3(p), u, out_light)) return 0.0f;
     const struct rnd_light_sample *light = out_light;
-    const vec3s to = {{light->direction.x, light->direction.y, light->direction.z}},
-                radiance = {{light->radiance.x, light->radiance.y, light->radiance.z}};
-    const vec3s f = glms_vec3_mul(rnd_bsdf(surface, wo, to, &pdf), radiance);
+    const vec3s to = rnd_from_v3(light->direction);
+    const vec3s f = glms_vec3_mul(rnd_closure_evaluate(&at->closure, to, &pdf), rnd_from_v3(light->radiance));
     const float given =
         rnd_luminance(f.raw) / light->pdf * (light->delta ? 1.0f : rnd_power_heuristic(light->pdf, pdf));
     if (!(given > 0.0f)) return 0.0f;
-    const vec3s from = rnd_leave(surface, to);
+    const vec3s from = leave_surface(at, to);
     struct RTCRay shadow = ray(from, to, INFINITY).ray;
     if (light->distance < INFINITY) { /* to the very place on it, as shadows go in the integrator */
         const vec3s rest = glms_vec3_sub(glms_vec3_muladds(to, light->distance, p), from);
         shadow = ray(from, glms_vec3_normalize(rest), glms_vec3_norm(rest) * (1.0f - 1e-4f)).ray;
     }
     if (rnd_embree_occluded1(scene->tree, &shadow)) return 0.0f;
-    return scene->clear_tree ? given * through_glass(scene, surface, &shadow) : given;
+    return scene->clear_tree ? given * through_glass(scene, &at->surface, &shadow) : given;
 }
 
 /* A path left along a direction that was drawn with density pdf (0: the only one), with that throughput. */
@@ -93,6 +107,19 @@ static void leave(const struct rnd_env *env, vec3s direction, float pdf, float t
     float other;
     rnd_env_radiance(env, rnd_v3(direction.x, direction.y, direction.z), &step->left, &other);
     step->escaped = throughput * (pdf > 0.0f ? rnd_power_heuristic(pdf, other) : 1.0f);
+}
+
+/* The point that a ray hit, at the finest level of its textures. */
+static void meet(const struct rnd_scene *scene, const struct RTCRayHit *hit, uint32_t seed,
+                 struct vertex *out)
+{
+    struct rnd_filter filter = {.footprint = 0.0f};
+    struct rnd_facing facing;
+    const struct rnd_point point = rnd_point_of(scene, hit, &facing);
+    rnd_dither(SEED, seed, 0, &filter.pick[0], &filter.pick[1]);
+    out->distance = hit->ray.tfar;
+    rnd_surface_at(scene, &point, &facing, &filter, &out->surface);
+    rnd_closure_at(&out->surface, rnd_from_v3(rnd_v3_scale(facing.direction, -1.0f)), &out->closure);
 }
 
 static void walk(const struct survey *survey, uint32_t index, struct step step[BOUNCES])
@@ -112,27 +139,15 @@ static void walk(const struct survey *survey, uint32_t index, struct step step[B
         }
         if (depth == BOUNCES) return;
 
-        struct rnd_surface surface;
-        struct rnd_bsdf_sample sample;
+        struct vertex at;
+        struct rnd_scattered sample;
         struct rnd_light_sample light;
-        uint32_t mesh;
-        const struct rnd_instance *instance =
-            rnd_resolve_hit(scene, hit.hit.geomID, hit.hit.instID[0], &mesh);
-        rnd_surface_at(scene,
-                       &(struct rnd_hit){.mesh = mesh,
-                                         .instance = instance,
-                                         .triangle = hit.hit.primID,
-                                         .u = hit.hit.u,
-                                         .v = hit.hit.v,
-                                         .distance = hit.ray.tfar,
-                                         .normal = {{hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z}}},
-                       direction, &surface);
-        const vec3s wo = glms_vec3_negate(direction);
+        meet(scene, &hit, rnd_hash2(index, depth), &at);
         for (int g = 0; g < RND_LIGHT_GROUPS; g++) {
             if (!scene->lights.has[g]) continue;
             rnd_pair(SEED, 1 + 8 * depth + 2 * (uint32_t)g, index, u);
             rnd_pair(SEED, 2 + 8 * depth + 2 * (uint32_t)g, index, u + 2);
-            const float given = ask(survey, g, &surface, wo, u, &light) * rnd_luminance(throughput.raw);
+            const float given = ask(survey, g, &at, u, &light) * rnd_luminance(throughput.raw);
             if (!(given > 0.0f)) continue;
             step[depth].given[g] = given;
             step[depth].asked[g] = light.part;
@@ -140,9 +155,9 @@ static void walk(const struct survey *survey, uint32_t index, struct step step[B
         }
         rnd_pair(SEED, 100 + 2 * depth, index, u);
         rnd_pair(SEED, 101 + 2 * depth, index, u + 2);
-        if (!rnd_bsdf_draw(&surface, wo, u, &sample)) return;
+        if (!rnd_closure_sample(&at.closure, u, &sample)) return;
         throughput = glms_vec3_mul(throughput, sample.weight);
-        origin = rnd_leave(&surface, sample.wi);
+        origin = leave_surface(&at, sample.wi);
         direction = sample.wi;
         pdf = sample.delta ? 0.0f : sample.pdf;
     }

@@ -17,6 +17,30 @@ struct rnd_record {
     uint32_t colour[3];  /* of the corners: square roots of linear r, g, b, 10 bits each */
 };
 
+/* How texture coordinates run over a triangle. */
+struct rnd_uv_frame {
+    bool spans;          /* else the rest is of no use */
+    float lod;           /* as in a record; -64 without an extent */
+    struct rnd_v3 along; /* where u grows, of any length; zero without an extent */
+    bool mirrored;       /* v grows against cross(normal, along) */
+};
+
+/* By the corners' coordinates, and the two sides that begin at the first corner. */
+RND_INLINE struct rnd_uv_frame rnd_uv_frame(const float uv[3][2], struct rnd_v3 e1, struct rnd_v3 e2)
+{
+    const float u1 = uv[1][0] - uv[0][0], v1 = uv[1][1] - uv[0][1], u2 = uv[2][0] - uv[0][0],
+                v2 = uv[2][1] - uv[0][1];
+    const struct rnd_v3 normal = rnd_v3_cross(e1, e2);
+    const float area = u1 * v2 - u2 * v1, world = sqrtf(rnd_v3_dot(normal, normal));
+    if (area == 0.0f || !(world > 0.0f)) return (struct rnd_uv_frame){.lod = -64.0f};
+    /* (e1, e2) = (T, B) ((u1, u2), (v1, v2)), solved for T; only its direction counts. */
+    return (struct rnd_uv_frame){.spans = true,
+                                 .lod = 0.5f * log2f(fabsf(area) / world),
+                                 .along = rnd_v3_scale(rnd_v3_sub(rnd_v3_scale(e1, v2), rnd_v3_scale(e2, v1)),
+                                                       area > 0.0f ? 1.0f : -1.0f),
+                                 .mirrored = area < 0.0f};
+}
+
 _Static_assert(sizeof(struct rnd_record) == 64, "a record is a line of the cache");
 
 /* Octahedral encoding (Meyer et al. 2010): good to 5e-5 rad. */

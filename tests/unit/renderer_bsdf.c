@@ -71,7 +71,7 @@ static void bent_normals(void **state)
             double mean = 0.0;
             make(&metal, 1.0f, &material, &s);
             for (uint32_t i = 0; i < n; i++) {
-                struct rnd_bsdf_sample sample;
+                struct rnd_scattered sample;
                 if (!draw(&s, s.geometric, 91, i, &sample)) continue;
                 assert_true(glms_vec3_dot(sample.wi, s.geometric) > 0.0f);
                 mean += sample.weight.x / n;
@@ -95,7 +95,7 @@ static void weights(void **state)
             double mean = 0.0, quadrature = 0.0;
             const uint32_t n = 50000;
             for (uint32_t i = 0; i < n; i++) {
-                struct rnd_bsdf_sample sample;
+                struct rnd_scattered sample;
                 if (!draw(&s, wo, 90, i, &sample)) continue;
                 assert_false(sample.delta);
                 mean += sample.weight.x / n;
@@ -105,7 +105,7 @@ static void weights(void **state)
                 const double theta = (k / around + 0.5) / up * M_PI / 2,
                              azimuth = (k % around + 0.5) / around * 2 * M_PI;
                 float pdf;
-                quadrature += rnd_bsdf(&s, wo, direction(&s, cos(theta), azimuth), &pdf).x * sin(theta);
+                quadrature += bsdf(&s, wo, direction(&s, cos(theta), azimuth), &pdf).x * sin(theta);
             }
             quadrature *= M_PI * M_PI / ((double)up * around);
             print_message("%-9s %2.0f degrees: albedo %.4f by draws, %.4f by quadrature\n", cases[c].name,
@@ -129,7 +129,7 @@ static void reciprocity(void **state)
             const vec3s a = direction(&s, ca, 6.28 * stat_uniform(7, 4 * i + 2)),
                         b = direction(&s, cb, 6.28 * stat_uniform(7, 4 * i + 3));
             float pdf;
-            const double there = rnd_bsdf(&s, a, b, &pdf).x / cb, back = rnd_bsdf(&s, b, a, &pdf).x / ca;
+            const double there = bsdf(&s, a, b, &pdf).x / cb, back = bsdf(&s, b, a, &pdf).x / ca;
             assert_float_equal(there, back, 2e-3 * fmax(there, back) + 1e-6);
         }
 }
@@ -143,8 +143,7 @@ static void below(void **state)
         struct rnd_surface s;
         float pdf;
         make(&cases[c], 1.0f, &material, &s);
-        assert_true(rnd_bsdf(&s, direction(&s, 0.5, 0), direction(&s, -0.3, 1), &pdf).x == 0.0f &&
-                    pdf == 0.0f);
+        assert_true(bsdf(&s, direction(&s, 0.5, 0), direction(&s, -0.3, 1), &pdf).x == 0.0f && pdf == 0.0f);
     }
 }
 

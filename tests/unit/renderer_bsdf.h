@@ -14,8 +14,7 @@
 
 #include "material/ggx.h"
 #include "material/glass.h"
-#include "material/bsdf.h"
-#include "material/point.h"
+#include "material/closure.h"
 #include "../sanitized.h"
 #include "statistics.h"
 
@@ -109,6 +108,22 @@ static inline vec3s direction(const struct rnd_surface *s, double cosine, double
     return glms_vec3_normalize(glms_vec3_muladds(y, (float)(sine * sin(azimuth)), d));
 }
 
+/* A surface's closure seen from wo: evaluated, and sampled. */
+static inline vec3s bsdf(const struct rnd_surface *s, vec3s wo, vec3s wi, float *out_pdf)
+{
+    struct rnd_closure closure;
+    rnd_closure_at(s, wo, &closure);
+    return rnd_closure_evaluate(&closure, wi, out_pdf);
+}
+
+static inline bool bsdf_sample(const struct rnd_surface *s, vec3s wo, const float u[3],
+                               struct rnd_scattered *out)
+{
+    struct rnd_closure closure;
+    rnd_closure_at(s, wo, &closure);
+    return rnd_closure_sample(&closure, u, out);
+}
+
 /* The sphere in cells, whose rows are even in the angle from the normal, so that narrow lobes have some. */
 enum { ROWS = 48, COLUMNS = 24, CELLS = ROWS * COLUMNS };
 
@@ -133,7 +148,7 @@ static inline double masses(const struct rnd_surface *s, vec3s wo, int up, int a
             const double theta = (cell / COLUMNS * up + k / around + 0.5) * step_t,
                          azimuth = (cell % COLUMNS * around + k % around + 0.5) * step_a - M_PI;
             float pdf;
-            rnd_bsdf(s, wo, direction(s, cos(theta), azimuth), &pdf);
+            bsdf(s, wo, direction(s, cos(theta), azimuth), &pdf);
             mass[cell] += pdf * sin(theta) * step_t * step_a;
         }
         sum += mass[cell];
@@ -142,11 +157,11 @@ static inline double masses(const struct rnd_surface *s, vec3s wo, int up, int a
 }
 
 static inline bool draw(const struct rnd_surface *s, vec3s wo, uint32_t stream, uint32_t i,
-                        struct rnd_bsdf_sample *out)
+                        struct rnd_scattered *out)
 {
     const float u[3] = {stat_uniform(stream, 3 * i), stat_uniform(stream, 3 * i + 1),
                         stat_uniform(stream, 3 * i + 2)};
-    return rnd_bsdf_draw(s, wo, u, out);
+    return bsdf_sample(s, wo, u, out);
 }
 
 /* The density integrates to the share of draws that give a direction (a microfacet may send the rest where
@@ -164,7 +179,7 @@ static inline double assert_draws_follow_density(const struct case_of_bsdf *c, d
     int drawn = 0, deltas = 0;
     memset(count, 0, sizeof count);
     for (uint32_t i = 0; i < DRAWS; i++) {
-        struct rnd_bsdf_sample sample;
+        struct rnd_scattered sample;
         float pdf;
         if (!draw(&s, wo, stream, i, &sample)) continue;
         if (sample.delta) {
@@ -173,7 +188,7 @@ static inline double assert_draws_follow_density(const struct case_of_bsdf *c, d
         }
         drawn++;
         count[cell_of(&s, sample.wi)]++;
-        const vec3s f = rnd_bsdf(&s, wo, sample.wi, &pdf);
+        const vec3s f = bsdf(&s, wo, sample.wi, &pdf);
         assert_float_equal(pdf, sample.pdf, 2e-3 * pdf + 1e-3);
         assert_float_equal(f.x, sample.weight.x * sample.pdf, 2e-3 * f.x + 1e-3);
     }

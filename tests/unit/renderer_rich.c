@@ -78,8 +78,8 @@ static double furnace(const struct case_of_bsdf *c, double angle_deg)
     for (uint32_t k = 0; k < side * side; k++) {
         const float u[3] = {(k / side + 0.5f) / side, (k % side + 0.5f) / side,
                             (float)(k * 0x9e3779b1u >> 8) * 0x1p-24f};
-        struct rnd_bsdf_sample sample;
-        if (!rnd_bsdf_draw(&s, wo, u, &sample)) continue;
+        struct rnd_scattered sample;
+        if (!bsdf_sample(&s, wo, u, &sample)) continue;
         sum += sample.weight.x * (glms_vec3_dot(sample.wi, s.geometric) < 0 ? eta * eta : 1.0);
     }
     return sum / (side * side);
@@ -174,7 +174,7 @@ static void glass_is_reciprocal(void **state)
     for (uint32_t i = 0; i < 2000; i++) {
         struct rnd_material material;
         struct rnd_surface s, behind;
-        struct rnd_bsdf_sample sample;
+        struct rnd_scattered sample;
         float pdf;
         make(&there, 0.8f, &material, &s);
         make(&back, 0.8f, &material, &behind);
@@ -183,9 +183,9 @@ static void glass_is_reciprocal(void **state)
         const vec3s a = direction(&s, ca, 6.28 * stat_uniform(8, i));
         if (!draw(&s, a, 9, i, &sample) || glms_vec3_dot(sample.wi, s.shading) > 0) continue;
         const float cb = -glms_vec3_dot(sample.wi, s.shading);
-        const double f = rnd_bsdf(&s, a, sample.wi, &pdf).x / cb *
+        const double f = bsdf(&s, a, sample.wi, &pdf).x / cb *
                          rnd_glass_albedo(material.glass[0], ca, s.alpha, false),
-                     g = rnd_bsdf(&behind, sample.wi, a, &pdf).x / ca *
+                     g = bsdf(&behind, sample.wi, a, &pdf).x / ca *
                          rnd_glass_albedo(material.glass[0], cb, s.alpha, true);
         seen++;
         assert_float_equal(2.25 * f, g, 5e-3 * g + 1e-6);
@@ -216,15 +216,15 @@ static void smooth_glass(void **state)
         float pdf;
         make(&glass, 1.0f, &material, &s);
         const vec3s wo = direction(&s, cos(known[k].angle * deg), 0.3);
-        assert_true(rnd_bsdf(&s, wo, direction(&s, cos(known[k].angle * deg), 0.3 + M_PI), &pdf).x == 0.0f &&
+        assert_true(bsdf(&s, wo, direction(&s, cos(known[k].angle * deg), 0.3 + M_PI), &pdf).x == 0.0f &&
                     pdf == 0.0f);
         const double eta = known[k].back ? 1 / 1.5 : 1.5;
         int reflected = 0;
         const int n = 20000;
         for (int i = 0; i < n; i++) {
             const float u[3] = {0.5f, 0.5f, (float)((i + 0.5) / n)};
-            struct rnd_bsdf_sample sample;
-            assert_true(rnd_bsdf_draw(&s, wo, u, &sample));
+            struct rnd_scattered sample;
+            assert_true(bsdf_sample(&s, wo, u, &sample));
             assert_true(sample.delta);
             const double c = glms_vec3_dot(sample.wi, s.shading), sine = sqrt(fmax(0, 1 - c * c));
             reflected += c > 0;
@@ -239,10 +239,10 @@ static void smooth_glass(void **state)
         rich((struct case_of_bsdf){.specular = 1, .transmission = 1, .thin = true});
     struct rnd_material material;
     struct rnd_surface s;
-    struct rnd_bsdf_sample sample;
+    struct rnd_scattered sample;
     make(&thin, 0.5f, &material, &s);
     const vec3s wo = direction(&s, 0.6, 0.3);
-    assert_true(rnd_bsdf_draw(&s, wo, (float[]){0.5f, 0.5f, 0.9f}, &sample));
+    assert_true(bsdf_sample(&s, wo, (float[]){0.5f, 0.5f, 0.9f}, &sample));
     assert_true(sample.delta && glms_vec3_dot(sample.wi, wo) < -1 + 1e-6);
 }
 
@@ -261,7 +261,7 @@ static void absorbing_slab(void **state)
     for (uint32_t i = 0; i < n; i++) {
         struct rnd_material material;
         struct rnd_surface s;
-        struct rnd_bsdf_sample sample;
+        struct rnd_scattered sample;
         make(&glass, 1, &material, &s);
         const vec3s out = s.geometric;
         vec3s wo = out;
@@ -293,12 +293,12 @@ static void unlit(void **state)
     const struct case_of_bsdf plain = rich((struct case_of_bsdf){.specular = 1, .roughness = 1});
     struct rnd_material material;
     struct rnd_surface s;
-    struct rnd_bsdf_sample sample;
+    struct rnd_scattered sample;
     float pdf;
     make(&plain, 1, &material, &s);
     material.unlit = true;
     assert_false(draw(&s, direction(&s, 0.5, 0), 1, 1, &sample));
-    assert_true(rnd_bsdf(&s, direction(&s, 0.5, 0), direction(&s, 0.5, 3), &pdf).x == 0 && pdf == 0);
+    assert_true(bsdf(&s, direction(&s, 0.5, 0), direction(&s, 0.5, 3), &pdf).x == 0 && pdf == 0);
 }
 
 int main(void)

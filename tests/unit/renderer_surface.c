@@ -9,7 +9,10 @@
 
 #include <string.h>
 
+#include "import/records.h"
 #include "material/point.h"
+
+#include <stdlib.h>
 
 /* A triangle in z = 0 that faces +z, u to the right and v down, as in a picture hung there. */
 static float position[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0}, uv0[] = {0, 1, 1, 1, 0, 0},
@@ -55,12 +58,22 @@ static int setup(void **state)
 }
 
 /* The surface in the triangle's middle, seen straight from the front or the back. */
+static struct rnd_surface look_by(bool front, const struct rnd_filter *filter)
+{
+    const struct rnd_point point = {.u = 1 / 3.0f, .v = 1 / 3.0f};
+    struct rnd_surface s;
+    assert_true(rnd_records_build(&scene));
+    const struct rnd_facing facing =
+        rnd_facing_at(&scene, &point, rnd_v3(0, 0, 2), rnd_v3(0, 0, front ? -1.0f : 1.0f));
+    rnd_surface_at(&scene, &point, &facing, filter, &s);
+    free(scene.record);
+    return s;
+}
+
+/* By the finest level, the nearest texel. */
 static struct rnd_surface look(bool front)
 {
-    const struct rnd_hit hit = {.u = 1 / 3.0f, .v = 1 / 3.0f, .distance = 1, .normal = {{0, 0, 2}}};
-    struct rnd_surface s;
-    rnd_surface_at(&scene, &hit, (vec3s){{0, 0, front ? -1.0f : 1.0f}}, &s);
-    return s;
+    return look_by(front, &(struct rnd_filter){.pick = {0.5f, 0.5f}});
 }
 
 /* RGBA of a file of so many channels; at most 2 x 2. */
@@ -96,10 +109,10 @@ static void every_map_has_its_channel(void **state)
     /* no alpha channel: 1 */
     use_texture(1, 1, 3, rgba);
     assert_float_equal(look(true).layers.specular, 1, 1e-6);
-    /* vertex colours multiply the base */
+    /* vertex colours, which records have in 10 bits, multiply the base */
     float colour[] = {1, 0.5f, 0, 1, 1, 0.5f, 0, 1, 1, 0.5f, 0, 1};
     mesh.colour = colour;
-    assert_float_equal(look(true).base.y, 0.2, 1e-6);
+    assert_float_equal(look(true).base.y, 0.2, 5e-4);
     assert_float_equal(look(true).base.z, 0, 1e-6);
 }
 
@@ -164,12 +177,61 @@ static void normal_maps(void **state)
     assert_float_equal(look(true).shading.z, 1, 1e-6);
 }
 
+/* The mean over random numbers is what bilinear interpolation gives: the middle of the triangle, at (1/3, 2/3)
+ * of 2 x 2 texels, is 1/6 of a texel right of the left ones, and as much above the lower ones. */
+static void texels_are_picked_by_weight(void **state)
+{
+    (void)state;
+    enum { SIDE = 60 };
+    uint8_t grey[] = {0, 51, 102, 204};
+    use_texture(2, 2, 1, grey);
+    material.map[RND_MAP_BASE].texture = 0;
+    double mean = 0.0;
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        const struct rnd_filter filter = {
+            .pick = {((float)(i % SIDE) + 0.5f) / SIDE, ((float)(i / SIDE) + 0.5f) / SIDE}};
+        mean += look_by(true, &filter).base.x / (SIDE * SIDE);
+    }
+    const double right = 1.0 / 6.0, down = 5.0 / 6.0;
+    assert_float_equal(mean, (1 - down) * right * 0.2 + down * ((1 - right) * 0.4 + right * 0.8), 1e-4);
+}
+
+/* A cone as wide as the picture sees the coarsest level: with the first set of texture coordinates and the
+ * second. */
+static void levels_by_footprint(void **state)
+{
+    (void)state;
+    /* 4 x 4 of 0, 2 x 2 of 0.4, 1 of 0.8 */
+    static uint8_t rgba[4 * 21];
+    for (int i = 0; i < 21; i++) memset(rgba + 4 * i, i < 16 ? 0 : i < 20 ? 102 : 204, 4);
+    texture = (struct rnd_texture){
+        .levels = 3, .level = {{4, 4, 0}, {2, 2, 16}, {1, 1, 20}}, .bytes = rgba, .log2_size = 2};
+    struct rnd_map *map = &material.map[RND_MAP_BASE];
+    map->texture = 0;
+    static const struct {
+        float footprint, value;
+    } known[] = {{0, 0}, {0.6f, 0}, {0.8f, 0.4f}, {1.3f, 0.4f}, {1.6f, 0.8f}, {100, 0.8f}};
+    float second[] = {0.1f, 1, 1.1f, 1, 0.1f, 0};
+    mesh.uv[1] = second;
+    for (int set = 0; set < 2; set++)
+        for (size_t k = 0; k < sizeof known / sizeof *known; k++) {
+            const struct rnd_filter filter = {.footprint = known[k].footprint, .pick = {0.5f, 0.5f}},
+                                    finer = {.footprint = 2 * known[k].footprint, .finer = 1};
+            map->uv_set = (uint8_t)set;
+            assert_float_equal(look_by(true, &filter).base.x, known[k].value, 1e-6);
+            assert_float_equal(look_by(true, &finer).base.x, known[k].value, 1e-6);
+        }
+    mesh.uv[1] = uv1;
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(every_map_has_its_channel, setup),
         cmocka_unit_test_setup(uv_sets_and_transforms, setup),
         cmocka_unit_test_setup(normal_maps, setup),
+        cmocka_unit_test_setup(texels_are_picked_by_weight, setup),
+        cmocka_unit_test_setup(levels_by_footprint, setup),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
