@@ -46,8 +46,7 @@ static void make(const struct rnd_mesh *mesh, uint32_t triangle, struct rnd_reco
     const struct rnd_v3 a = corner(mesh->position, index[0]);
     const struct rnd_v3 e1 = rnd_v3_sub(corner(mesh->position, index[1]), a),
                         e2 = rnd_v3_sub(corner(mesh->position, index[2]), a), normal = rnd_v3_cross(e1, e2);
-    *record = (struct rnd_record){.lod = -64.0f}; /* without texture coordinates the coarsest level is
-                                                     right */
+    *record = (struct rnd_record){.lod = RND_NO_EXTENT};
     for (int k = 0; k < 3; k++) {
         record->normal[k] = rnd_octahedral(mesh->normal ? corner(mesh->normal, index[k]) : normal);
         record->colour[k] = mesh->colour ? colour(mesh->colour + 4 * (size_t)index[k]) : UINT32_MAX;

@@ -57,7 +57,8 @@ static struct corners corners_of(const struct place *at, const struct rnd_map *m
 static struct rnd_tangent tangent_of(const struct place *at, const struct rnd_map *map)
 {
     static const float corner[3][2] = {{0, 0}, {1, 0}, {0, 1}};
-    if (at->mesh->tangent || (map->uv_set == 0 && !map->has_transform))
+    const bool by_record = at->mesh->tangent || (map->uv_set == 0 && !map->has_transform);
+    if (by_record && rnd_has_tangents(at->mesh, at->record))
         return rnd_tangent_at(at->record->tangent, at->point->u, at->point->v);
     const struct corners own = corners_of(at, map);
     float uv[3][2];
@@ -81,8 +82,8 @@ static struct rnd_texel look(const struct place *at, enum rnd_map_use use)
     const struct rnd_texture *texture = &at->scene->texture[map->texture];
     const struct corners corners = corners_of(at, map);
     const float cosine = fabsf(rnd_v3_dot(at->facing->direction, at->facing->shading)),
-                level = rnd_level_at(corners.lod + texture->log2_size, at->filter->footprint, cosine,
-                                     at->filter->finer);
+                level = rnd_level_at(rnd_map_lod(map, corners.lod) + texture->log2_size,
+                                     at->filter->footprint, cosine, at->filter->finer);
     float x, y;
     rnd_map_place(map, corners.uv, at->point->u, at->point->v, &x, &y);
     return rnd_texture_texel(texture, rnd_map_texel(map, texture, x, y, level, at->filter->pick));

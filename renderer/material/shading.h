@@ -51,12 +51,18 @@ RND_INLINE struct rnd_v3 rnd_normal_to_world(const struct rnd_instance *instance
 
 /* --- normal maps --- */
 
-/* Where a normal map's u grows, of any length, and whether v grows along (-1) or against (1)
- * cross(normal, along). */
+/* Where a normal map's u grows, of any length; zero: nowhere. turn: -1 if v grows against
+ * cross(normal, along), else 1. */
 struct rnd_tangent {
     struct rnd_v3 along;
     float turn;
 };
+
+/* Does the record of a triangle have tangents? */
+RND_INLINE bool rnd_has_tangents(const struct rnd_mesh *mesh, const struct rnd_record *record)
+{
+    return mesh->tangent || record->lod > RND_NO_EXTENT;
+}
 
 /* Between the tangents of a triangle's corners, as records have them. */
 RND_INLINE struct rnd_tangent rnd_tangent_at(const uint32_t code[3], float u, float v)
@@ -122,6 +128,14 @@ RND_INLINE void rnd_map_place(const struct rnd_map *map, const float uv[3][2], f
                 y = w * uv[0][1] + u * uv[1][1] + v * uv[2][1];
     *out_x = map->has_transform ? m[0] * x + m[1] * y + m[2] : x;
     *out_y = map->has_transform ? m[3] * x + m[4] * y + m[5] : y;
+}
+
+/* log2 of texture coordinates per metre as a map's transform leaves them; lod: before. */
+RND_INLINE float rnd_map_lod(const struct rnd_map *map, float lod)
+{
+    const float *m = map->transform;
+    if (!map->has_transform) return lod;
+    return lod + 0.5f * rnd_roughly_log2(rnd_larger(fabsf(m[0] * m[4] - m[1] * m[3]), 1e-12f));
 }
 
 /* Levels finer than the film asks for that textures are seen at by way of another surface: a coarse texel

@@ -134,7 +134,7 @@ static void note(struct rnd_tracer *tracer, const struct rnd_map *map, uint32_t 
     const uint32_t k = (*looks)++;
     tracer->look[k] = (struct rnd_look){.texture = texture, .map = map, .point = j};
     rnd_map_place(map, record->uv, s->u[j], s->v[j], &tracer->look_x[k], &tracer->look_y[k]);
-    tracer->look_level[k] = record->lod + texture->log2_size;
+    tracer->look_level[k] = rnd_map_lod(map, record->lod) + texture->log2_size;
 }
 
 /* Choose the texels of all looks by the paths' cones, each with its own random neighbour of four. They are
@@ -224,7 +224,8 @@ static void bend_normals(struct rnd_tracer *tracer, uint32_t begin, uint32_t end
     uint32_t looks = 0;
     for (uint32_t j = begin; j < end; j++) {
         const struct rnd_map *map = &scene->material[s->material[j]].map[RND_MAP_NORMAL];
-        if (map->texture >= 0) note(tracer, map, j, &looks);
+        if (map->texture >= 0 && rnd_has_tangents(&scene->mesh[s->mesh[j]], &scene->record[s->record[j]]))
+            note(tracer, map, j, &looks);
     }
     ask(tracer, looks);
     for (uint32_t k = 0; k < looks; k++) {

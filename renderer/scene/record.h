@@ -8,6 +8,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* lod of a triangle without texture coordinates, or where they have no extent: the finest level is right. */
+#define RND_NO_EXTENT -64.0f
+
 struct rnd_record {
     uint32_t normal[3]; /* of the corners, octahedral: 16 bits each of two coordinates */
     float uv[3][2];     /* of the corners, first set; 0 if the mesh has none */
@@ -19,8 +22,8 @@ struct rnd_record {
 
 /* How texture coordinates run over a triangle. */
 struct rnd_uv_frame {
-    bool spans;          /* else the rest is of no use */
-    float lod;           /* as in a record; -64 without an extent */
+    bool spans;          /* the coordinates have an extent */
+    float lod;           /* as in a record */
     struct rnd_v3 along; /* where u grows, of any length; zero without an extent */
     bool mirrored;       /* v grows against cross(normal, along) */
 };
@@ -32,7 +35,7 @@ RND_INLINE struct rnd_uv_frame rnd_uv_frame(const float uv[3][2], struct rnd_v3 
                 v2 = uv[2][1] - uv[0][1];
     const struct rnd_v3 normal = rnd_v3_cross(e1, e2);
     const float area = u1 * v2 - u2 * v1, world = sqrtf(rnd_v3_dot(normal, normal));
-    if (area == 0.0f || !(world > 0.0f)) return (struct rnd_uv_frame){.lod = -64.0f};
+    if (area == 0.0f || !(world > 0.0f)) return (struct rnd_uv_frame){.lod = RND_NO_EXTENT};
     /* (e1, e2) = (T, B) ((u1, u2), (v1, v2)), solved for T; only its direction counts. */
     return (struct rnd_uv_frame){.spans = true,
                                  .lod = 0.5f * log2f(fabsf(area) / world),

@@ -175,6 +175,10 @@ static void normal_maps(void **state)
     assert_float_equal(glms_vec3_norm(n), 1, 1e-5);
     map->uv_set = 1;
     assert_float_equal(look(true).shading.z, 1, 1e-6);
+    map->uv_set = 0;
+    map->has_transform = false;
+    mesh.uv[0] = uv1;
+    assert_float_equal(look(true).shading.z, 1, 1e-6);
 }
 
 /* The mean over random numbers is what bilinear interpolation gives: the middle of the triangle, at (1/3, 2/3)
@@ -222,6 +226,14 @@ static void levels_by_footprint(void **state)
             assert_float_equal(look_by(true, &finer).base.x, known[k].value, 1e-6);
         }
     mesh.uv[1] = uv1;
+    /* half as many texels per metre, turned: a cone may be twice as wide */
+    map->uv_set = 0;
+    map->has_transform = true;
+    memcpy(map->transform, (float[]){0, 0.5f, 0, -0.5f, 0, 1}, sizeof map->transform);
+    for (size_t k = 0; k < sizeof known / sizeof *known; k++) {
+        const struct rnd_filter filter = {.footprint = 2 * known[k].footprint, .pick = {0.5f, 0.5f}};
+        assert_float_equal(look_by(true, &filter).base.x, known[k].value, 1e-6);
+    }
 }
 
 int main(void)
