@@ -133,6 +133,13 @@ static bool open_sockets(struct daemon *daemon)
     return true;
 }
 
+/* Where a browser finds the page. */
+static void print_page(const struct daemon *daemon, const struct dmn_listener *listener, const char *place)
+{
+    dmn_print(daemon->out, "page     http://%s/%s\n", place,
+              listener->token ? "#token=TOKEN, with FOVEAD_TOKEN's text" : "");
+}
+
 static void print_start(const struct daemon *daemon)
 {
     const struct rnd_scene_info *info = rnd_scene_info(daemon->scene);
@@ -151,6 +158,8 @@ static void print_start(const struct daemon *daemon)
     for (int i = 0; i < daemon->listeners; i++) {
         pro_address_print(&daemon->listener[i].address, address, sizeof(address));
         dmn_print(daemon->out, "listens  %s\n", address);
+        if (daemon->listener[i].address.is_http)
+            print_page(daemon, &daemon->listener[i], address + strlen("http:"));
     }
     dmn_print(daemon->out, "fovead: ready\n");
     fflush(daemon->out);

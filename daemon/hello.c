@@ -23,17 +23,12 @@ static void note_name(struct dmn_client *client, const char *name)
 /* Note what the client wants, now that it may come in. */
 static bool greet(struct dmn_client *client, const Fovea__Hello *hello, char out_error[PRO_ERROR_SIZE])
 {
-    switch (hello->tiles) {
-    case FOVEA__ENCODING__ENCODING_NONE:
-        break;
-    case FOVEA__ENCODING__ENCODING_HALF_ZSTD:
-    case FOVEA__ENCODING__ENCODING_JPEG:
-        client->sent = calloc(client->picture->pyramid.count, sizeof(*client->sent));
-        if (!client->sent) return dmn_client_fail(out_error, "out of memory");
-        break;
-    default:
+    const bool wants_tiles = hello->tiles != FOVEA__ENCODING__ENCODING_NONE;
+
+    if (wants_tiles && !pro_encodes(hello->tiles))
         return dmn_client_fail(out_error, "it wants tiles in an unknown encoding, %d", (int)hello->tiles);
-    }
+    if (wants_tiles && !(client->sent = calloc(client->picture->pyramid.count, sizeof(*client->sent))))
+        return dmn_client_fail(out_error, "out of memory");
     client->encoding = hello->tiles;
     client->window = hello->window ? hello->window : WINDOW;
     if (client->window > MOST_WINDOW) client->window = MOST_WINDOW;

@@ -18,7 +18,6 @@ enum {
     MOST_CLIENTS = 64,
     MOST_STRANGERS = 16, /* of them, clients whose token has not been checked: they leave room for others */
     MOST_FDS = MOST_CLIENTS + DMN_MAX_LISTEN + 16, /* and what libwebsockets needs itself */
-    MOST_PROTOCOLS = 8,
 };
 
 /* What is known of the picture is updated every UPDATE_NS at most, and for at most a tenth of the loop's
@@ -35,9 +34,9 @@ static const lws_usec_t TICK_US = 1000000 / DMN_CHECKS_A_SECOND;
 struct dmn_loop {
     struct dmn_loop_options options;
     struct dmn_clients clients;
-    struct lws_protocols protocols[MOST_PROTOCOLS];
     struct lws_context *context;
-    struct lws_vhost *vhost;
+    struct lws_vhost *files; /* signals and listeners */
+    struct lws_vhost *clients_of[DMN_TRANSPORTS];
     struct dmn_connection *connections;
     unsigned numbers; /* numbers given to clients so far */
     lws_sorted_usec_list_t tick, update, bye;
@@ -122,7 +121,7 @@ static void on_wake(struct dmn_loop *loop)
 
     while (dmn_jobs_take(handles->jobs, &job))
         for (struct dmn_connection *c = loop->connections; c; c = c->next)
-            if (c->client->options.number == job.client) dmn_session_done(c->client, &job);
+            if (c->client && c->options.number == job.client) dmn_session_done(c->client, &job);
     if (handles->edits) dmn_edits_words(handles->edits, &loop->options.picture->scene);
     dmn_painter_work(handles->painter, &work);
     if (work.done) loop->stop = true;
@@ -140,12 +139,14 @@ static struct dmn_loop *loop_of(struct lws *wsi)
 static bool is_full(const struct dmn_loop *loop, const struct dmn_listener *listener, char *out_why,
                     size_t size)
 {
-    unsigned strangers = 0;
+    int connections = 0, strangers = 0;
 
-    for (const struct dmn_connection *c = loop->connections; c; c = c->next)
-        strangers += c->client->options.token && !c->client->greeted;
+    for (const struct dmn_connection *c = loop->connections; c; c = c->next) {
+        connections++;
+        strangers += c->options.token && !(c->client && c->client->greeted);
+    }
     snprintf(out_why, size, "%d clients are connected, which is the most", MOST_CLIENTS);
-    if (loop->clients.count >= MOST_CLIENTS) return true;
+    if (connections >= MOST_CLIENTS) return true;
     snprintf(out_why, size, "%d clients are connected that have shown no token, which is the most",
              MOST_STRANGERS);
     return listener->token && strangers >= MOST_STRANGERS;
@@ -155,14 +156,16 @@ static bool is_full(const struct dmn_loop *loop, const struct dmn_listener *list
 static void meet(struct dmn_loop *loop, const struct dmn_listener *listener, int fd,
                  const struct dmn_peer *peer)
 {
-    const struct dmn_transport *transport = dmn_transport_at(0);
+    const int t = dmn_transport_of(listener);
+    const struct dmn_transport *transport = dmn_transports[t];
+    const struct dmn_arrival arrival = {loop->clients_of[t], transport, listener, fd, *peer};
     struct dmn_client_options options = {.clients = &loop->clients, .token = listener->token};
     char why[96] = "the daemon is ending";
     const bool is_good = transport->origin_is_good(peer, why, sizeof(why));
 
     if (is_good && !loop->stop && !is_full(loop, listener, why, sizeof(why))) {
         options.number = ++loop->numbers;
-        dmn_connection_open(&loop->connections, loop->vhost, transport, fd, peer, &options);
+        dmn_connection_open(&loop->connections, &arrival, &options);
         return;
     }
     dmn_print(stderr, "fovead: client (%s) turned away: %s\n", peer->name, why);
@@ -193,33 +196,46 @@ static int on_signal(struct lws *wsi, enum lws_callback_reasons reason, void *us
     return 0;
 }
 
-/* The ends of files, and one for each transport; the last stays empty. */
-static void fill_protocols(struct lws_protocols protocols[MOST_PROTOCOLS])
-{
-    const struct dmn_transport *transport;
-
-    protocols[0] = (struct lws_protocols){.name = "signal", .callback = on_signal};
-    protocols[1] = (struct lws_protocols){.name = "listener", .callback = on_listener};
-    for (size_t i = 0; 2 + i < MOST_PROTOCOLS - 1 && (transport = dmn_transport_at(i)); i++)
-        protocols[2 + i] = transport->protocol;
-}
+static const struct lws_protocols files[] = {
+    {.name = "signal", .callback = on_signal},
+    {.name = "listener", .callback = on_listener},
+    {.name = NULL},
+};
 
 /* --- life --- */
 
 static bool adopt_file(struct dmn_loop *loop, int fd, const char *protocol, void *opaque)
 {
     lws_adopt_desc_t adopt = {
-        .vh = loop->vhost, .type = LWS_ADOPT_RAW_FILE_DESC, .vh_prot_name = protocol, .opaque = opaque};
+        .vh = loop->files, .type = LWS_ADOPT_RAW_FILE_DESC, .vh_prot_name = protocol, .opaque = opaque};
 
     adopt.fd.filefd = fd;
     return lws_adopt_descriptor_vhost_via_info(&adopt);
+}
+
+static bool open_vhosts(struct dmn_loop *loop, struct lws_context_creation_info *info)
+{
+    for (int i = 0; i < DMN_TRANSPORTS; i++) {
+        info->vhost_name = dmn_transports[i]->name;
+        info->protocols = dmn_transports[i]->protocols;
+        if (!(loop->clients_of[i] = lws_create_vhost(loop->context, info))) return false;
+    }
+    info->vhost_name = "files";
+    info->protocols = files;
+    loop->files = lws_create_vhost(loop->context, info);
+    return loop->files;
+}
+
+static void on_log(int level, const char *line)
+{
+    (void)level;
+    dmn_print(stderr, "fovead: libwebsockets: %.*s\n", (int)strcspn(line, "\n"), line);
 }
 
 static bool open_context(struct dmn_loop *loop)
 {
     struct lws_context_creation_info info = {
         .port = CONTEXT_PORT_NO_LISTEN,
-        .protocols = loop->protocols,
         .user = loop,
         .fd_limit_per_thread = MOST_FDS,
         .options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS,
@@ -228,11 +244,8 @@ static bool open_context(struct dmn_loop *loop)
     };
     int fd;
 
-    lws_set_log_level(LLL_ERR, NULL);
-    fill_protocols(loop->protocols);
-    if (!(loop->context = lws_create_context(&info)) ||
-        !(loop->vhost = lws_create_vhost(loop->context, &info)))
-        return false;
+    lws_set_log_level(LLL_ERR, on_log);
+    if (!(loop->context = lws_create_context(&info)) || !open_vhosts(loop, &info)) return false;
     /* libwebsockets closes every descriptor that it adopts. */
     if ((fd = dup(loop->options.signal_fd)) < 0 || !adopt_file(loop, fd, "signal", NULL)) return false;
     for (int i = 0; i < loop->options.listeners; i++) {

@@ -316,7 +316,8 @@ static const struct dmn_option ROWS[] = {
     {.name = "listen",
      .argument = "ADDRESS",
      .help =
-         "unix:PATH or tcp:HOST:PORT; up to 8 times. Default: $XDG_RUNTIME_DIR/fovead.sock, else "
+         "unix:PATH, tcp:HOST:PORT, or http:HOST:PORT for browsers; up to 8 times. Default: "
+         "$XDG_RUNTIME_DIR/fovead.sock, else "
          "/tmp/fovead-UID/fovead.sock, both for this user alone. If FOVEAD_TOKEN is set in the environment, "
          "clients on TCP must send the same token; without, addresses that other machines can reach are "
          "refused",

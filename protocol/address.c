@@ -35,25 +35,30 @@ static bool parse_port(const char *text, uint16_t *out_port)
     return port >= 1 && port <= 65535;
 }
 
-static bool parse_tcp(const char *text, struct pro_address *out_address, char out_error[PRO_ERROR_SIZE])
+/* text is HOST:PORT, behind "tcp:" or "http:". */
+static bool parse_host(const char *scheme, const char *text, struct pro_address *out_address,
+                       char out_error[PRO_ERROR_SIZE])
 {
     const char *host = text, *colon = strrchr(text, ':'), *end = colon;
     if (*text == '[') {
         host = text + 1;
         end = strchr(text, ']');
-        if (!end || end[1] != ':') return pro_fail(out_error, "tcp:%.200s: expected tcp:[IPv6]:PORT", text);
+        if (!end || end[1] != ':')
+            return pro_fail(out_error, "%s:%.200s: expected %s:[IPv6]:PORT", scheme, text, scheme);
         colon = end + 1;
     } else if (!colon) {
-        return pro_fail(out_error, "tcp:%.200s: no port; expected tcp:HOST:PORT", text);
+        return pro_fail(out_error, "%s:%.200s: no port; expected %s:HOST:PORT", scheme, text, scheme);
     } else if (strchr(text, ':') != colon) {
-        return pro_fail(out_error, "tcp:%.200s: an IPv6 address goes in brackets: tcp:[::1]:PORT", text);
+        return pro_fail(out_error, "%s:%.200s: an IPv6 address goes in brackets: %s:[::1]:PORT", scheme, text,
+                        scheme);
     }
     size_t length = (size_t)(end - host);
-    if (length == 0) return pro_fail(out_error, "tcp:%.200s: no host; expected tcp:HOST:PORT", text);
+    if (length == 0)
+        return pro_fail(out_error, "%s:%.200s: no host; expected %s:HOST:PORT", scheme, text, scheme);
     if (length >= sizeof out_address->host)
-        return pro_fail(out_error, "tcp:%.200s...: too long a host", text);
+        return pro_fail(out_error, "%s:%.200s...: too long a host", scheme, text);
     if (!parse_port(colon + 1, &out_address->port))
-        return pro_fail(out_error, "tcp:%.200s: the port is a number from 1 to 65535", text);
+        return pro_fail(out_error, "%s:%.200s: the port is a number from 1 to 65535", scheme, text);
     memcpy(out_address->host, host, length);
     out_address->host[length] = '\0';
     return true;
@@ -99,10 +104,16 @@ bool pro_address_parse(const char *text, struct pro_address *out_address, char o
     memset(out_address, 0, sizeof *out_address);
     if (!text) return parse_default(out_address, out_error);
     if (strncmp(text, "unix:", 5) == 0) return parse_path(text + 5, out_address, out_error);
-    if (strncmp(text, "tcp:", 4) == 0) return parse_tcp(text + 4, out_address, out_error);
+    if (strncmp(text, "tcp:", 4) == 0) return parse_host("tcp", text + 4, out_address, out_error);
+    if (strncmp(text, "http:", 5) == 0) {
+        out_address->is_http = true;
+        return parse_host("http", text + 5, out_address, out_error);
+    }
     if (strchr(text, '/')) return parse_path(text, out_address, out_error);
-    return pro_fail(out_error,
-                    "'%.200s' is no address: expected unix:PATH, tcp:HOST:PORT or a path with a '/'", text);
+    return pro_fail(
+        out_error,
+        "'%.200s' is no address: expected unix:PATH, tcp:HOST:PORT, http:HOST:PORT or a path with a '/'",
+        text);
 }
 
 bool pro_address_is_local(const struct pro_address *address)
@@ -116,10 +127,11 @@ bool pro_address_is_local(const struct pro_address *address)
 
 void pro_address_print(const struct pro_address *address, char *out_text, size_t size)
 {
+    const char *scheme = address->is_http ? "http" : "tcp";
     if (address->is_unix)
         snprintf(out_text, size, "unix:%s", address->path);
     else if (strchr(address->host, ':'))
-        snprintf(out_text, size, "tcp:[%s]:%u", address->host, address->port);
+        snprintf(out_text, size, "%s:[%s]:%u", scheme, address->host, address->port);
     else
-        snprintf(out_text, size, "tcp:%s:%u", address->host, address->port);
+        snprintf(out_text, size, "%s:%s:%u", scheme, address->host, address->port);
 }

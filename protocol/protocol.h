@@ -79,10 +79,13 @@ uint8_t *pro_pack(const Fovea__Message *message, size_t headroom, size_t *out_co
 
 /* --- encodings --- */
 
+/* Is it an encoding of tiles? */
+bool pro_encodes(Fovea__Encoding encoding);
+
 /* Encode a tile of size x size RGB floats, linear radiance; size is at most PRO_MAX_TILE. Returns malloc'ed
  * bytes, which the caller frees, and their count; NULL if memory is short, or if there is no such encoding or
- * size. NaN becomes 0; half floats are clamped to +-65504, JPEG to what a display shows, 0 to 1. Any thread
- * may call this. */
+ * size. NaN becomes 0; half floats are clamped to +-65504, RGB9E5 to 0 to 65408, JPEG to what a display shows,
+ * 0 to 1. Any thread may call this. */
 uint8_t *pro_encode(Fovea__Encoding encoding, const float *rgb, unsigned size, size_t *out_count);
 
 /* Decode into size x size RGB floats, linear radiance. False, with out_rgb undefined, if the bytes are not
@@ -92,14 +95,16 @@ bool pro_decode(Fovea__Encoding encoding, const uint8_t *bytes, size_t count, un
 
 /* --- addresses --- */
 
-/* Parse "unix:PATH", "tcp:HOST:PORT" (HOST may be [v6]), a bare path with a '/', or NULL for the default:
+/* Parse "unix:PATH", "tcp:HOST:PORT" or "http:HOST:PORT" (HOST may be [v6]), a bare path with a '/', or NULL
+ * for the default:
  * $XDG_RUNTIME_DIR/fovead.sock, else /tmp/fovead-UID/fovead.sock, whose folder is made if it is missing.
  * False with a line in out_error if text is none of these, or if the folder of the default belongs to another
  * user or is writable by others. */
 struct pro_address {
     bool is_unix;
+    bool is_http;   /* WebSocket and a page, for browsers: pro_connect() refuses it */
     char path[108]; /* unix: fits sockaddr_un */
-    char host[256]; /* tcp */
+    char host[256]; /* tcp and http */
     uint16_t port;
 };
 bool pro_address_parse(const char *text, struct pro_address *out_address, char out_error[PRO_ERROR_SIZE]);

@@ -115,6 +115,10 @@ int pro_dial(const struct pro_address *address, uint64_t deadline_ns, bool wait_
     char name[sizeof address->host + 16];
     pro_address_print(address, name, sizeof name);
     struct addrinfo *found = NULL;
+    if (address->is_http) {
+        pro_fail(out_error, "%s: browsers connect there; expected unix:PATH or tcp:HOST:PORT", name);
+        return -1;
+    }
     if (!address->is_unix) {
         char port[8];
         snprintf(port, sizeof port, "%u", address->port);

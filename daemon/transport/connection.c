@@ -16,39 +16,47 @@ static void destroy(struct dmn_connection *connection)
     free(connection);
 }
 
-void dmn_connection_open(struct dmn_connection **list, struct lws_vhost *vhost,
-                         const struct dmn_transport *transport, int fd, const struct dmn_peer *peer,
+void dmn_connection_open(struct dmn_connection **list, const struct dmn_arrival *arrival,
                          const struct dmn_client_options *options)
 {
+    const struct dmn_transport *transport = arrival->transport;
     struct dmn_connection *connection = calloc(1, sizeof(*connection));
-    struct dmn_client_options session = *options;
-    lws_adopt_desc_t adopt = {.vh = vhost,
+    lws_adopt_desc_t adopt = {.vh = arrival->vhost,
                               .type = transport->adoption,
-                              .vh_prot_name = transport->protocol.name,
+                              .vh_prot_name = transport->protocols[0].name,
                               .opaque = connection};
 
-    session.peer = peer->name;
-    session.key = peer->key;
-    session.may_save = transport->may_save(peer);
-    session.headroom = transport->headroom;
-    if (connection) connection->transport = transport;
-    if (!connection || !transport->begin(connection) ||
-        !(connection->client = dmn_session_create(&session))) {
-        destroy(connection);
-        close(fd);
+    if (!connection) {
+        close(arrival->fd);
         return;
     }
-    adopt.fd.sockfd = fd;
-    /* On failure libwebsockets has closed fd, and may or may not have called dmn_connection_close(). */
+    connection->transport = transport;
+    connection->listener = arrival->listener;
+    connection->peer = arrival->peer;
+    connection->options = *options;
+    adopt.fd.sockfd = arrival->fd;
+    /* On failure libwebsockets has closed the socket, and may or may not have called dmn_connection_close().
+     */
     connection->wsi = lws_adopt_descriptor_vhost_via_info(&adopt);
     if (!connection->wsi) {
-        dmn_print(stderr, "fovead: client %u (%s) cannot be served\n", session.number, peer->name);
+        dmn_print(stderr, "fovead: client %u (%s) cannot be served\n", options->number, arrival->peer.name);
         destroy(connection);
         return;
     }
     connection->list = list;
     connection->next = *list;
     *list = connection;
+}
+
+bool dmn_connection_meet(struct dmn_connection *connection)
+{
+    const struct dmn_transport *transport = connection->transport;
+
+    connection->options.peer = connection->peer.name;
+    connection->options.key = connection->peer.key;
+    connection->options.may_save = transport->may_save(&connection->peer);
+    connection->options.headroom = transport->headroom;
+    return transport->begin(connection) && (connection->client = dmn_session_create(&connection->options));
 }
 
 static void drop(struct dmn_connection *connection, const char *why)
@@ -106,7 +114,7 @@ void dmn_connection_close(struct dmn_connection *connection)
 
 void dmn_connection_wake(struct dmn_connection *connection)
 {
-    if (dmn_send_is_due(connection->client)) lws_callback_on_writable(connection->wsi);
+    if (connection->client && dmn_send_is_due(connection->client)) lws_callback_on_writable(connection->wsi);
 }
 
 void dmn_connection_check(struct dmn_connection *connection)
@@ -114,6 +122,7 @@ void dmn_connection_check(struct dmn_connection *connection)
     const struct dmn_transport *transport = connection->transport;
     char error[PRO_ERROR_SIZE];
 
+    if (!connection->client) return;
     dmn_session_stats(connection->client);
     if (dmn_session_check(connection->client, transport->is_partial(connection), error) &&
         transport->read(connection, NULL, 0, error))
@@ -124,5 +133,6 @@ void dmn_connection_check(struct dmn_connection *connection)
 
 bool dmn_connection_has_more(struct dmn_connection *connection)
 {
-    return dmn_send_is_due(connection->client) || lws_partial_buffered(connection->wsi);
+    return connection->client &&
+           (dmn_send_is_due(connection->client) || lws_partial_buffered(connection->wsi));
 }

@@ -9,23 +9,35 @@ struct dmn_connection {
     struct dmn_connection **list, *next; /* the list of open connections */
     const struct dmn_transport *transport;
     struct lws *wsi;
-    struct dmn_client *client;
-    void *unwrapping; /* for the transport */
+    const struct dmn_listener *listener; /* where the client connected */
+    struct dmn_peer peer;
+    struct dmn_client_options options; /* for the session */
+    struct dmn_client *client;         /* the session; NULL: none has begun */
+    void *unwrapping;                  /* for the transport */
 };
 
-/* Serve a client whose socket was accepted, and put the connection into the list. The transport sets may_save
- * and headroom of the options. The socket is closed on failure. */
-void dmn_connection_open(struct dmn_connection **list, struct lws_vhost *vhost,
-                         const struct dmn_transport *transport, int fd, const struct dmn_peer *peer,
+/* A socket that was accepted. */
+struct dmn_arrival {
+    struct lws_vhost *vhost; /* of the transport */
+    const struct dmn_transport *transport;
+    const struct dmn_listener *listener;
+    int fd;
+    struct dmn_peer peer;
+};
+
+/* Serve a socket that was accepted, and put the connection into the list. The options are for its session; the
+ * peer and the transport set those that depend on them. The socket is closed on failure. */
+void dmn_connection_open(struct dmn_connection **list, const struct dmn_arrival *arrival,
                          const struct dmn_client_options *options);
 
 /* --- what libwebsockets says, by the transport's callback; false: the connection must be closed --- */
 
+bool dmn_connection_meet(struct dmn_connection *connection); /* begins the session */
 bool dmn_connection_read(struct dmn_connection *connection, const void *bytes, size_t count);
 bool dmn_connection_write(struct dmn_connection *connection);
 void dmn_connection_close(struct dmn_connection *connection); /* frees it */
 
-/* --- what the loop does --- */
+/* --- what the loop does; where no session has begun, nothing --- */
 
 /* Ask libwebsockets to say when there is room to write, if there is something to send. */
 void dmn_connection_wake(struct dmn_connection *connection);

@@ -92,7 +92,7 @@ static int on_socket(struct lws *wsi, enum lws_callback_reasons reason, void *us
     case LWS_CALLBACK_RAW_ADOPT:
         /* Deadlines are the session's. */
         lws_set_timeout(wsi, NO_PENDING_TIMEOUT, 0);
-        return 0;
+        return dmn_connection_meet(connection) ? 0 : -1;
     case LWS_CALLBACK_RAW_RX:
         return dmn_connection_read(connection, in, size) ? 0 : -1;
     case LWS_CALLBACK_RAW_WRITEABLE:
@@ -105,8 +105,14 @@ static int on_socket(struct lws *wsi, enum lws_callback_reasons reason, void *us
     }
 }
 
+static const struct lws_protocols protocols[] = {
+    {.name = "raw", .callback = on_socket, .rx_buffer_size = 4096},
+    {.name = NULL},
+};
+
 const struct dmn_transport dmn_raw = {
-    .protocol = {.name = "raw", .callback = on_socket, .rx_buffer_size = 4096},
+    .name = "raw",
+    .protocols = protocols,
     .adoption = LWS_ADOPT_SOCKET,
     .headroom = LWS_PRE + PRO_PREFIX,
     .origin_is_good = origin_is_good,

@@ -1,12 +1,17 @@
 /* The transports. */
 #include "transport/table.h"
 #include "transport/raw.h"
+#include "transport/web.h"
 
-static const struct dmn_transport *const TRANSPORTS[] = {
+const struct dmn_transport *const dmn_transports[DMN_TRANSPORTS] = {
+    &dmn_web,
     &dmn_raw,
 };
 
-const struct dmn_transport *dmn_transport_at(size_t index)
+int dmn_transport_of(const struct dmn_listener *listener)
 {
-    return index < sizeof(TRANSPORTS) / sizeof(*TRANSPORTS) ? TRANSPORTS[index] : NULL;
+    int i = 0;
+
+    while (i < DMN_TRANSPORTS - 1 && dmn_transports[i]->is_http != listener->address.is_http) i++;
+    return i;
 }

@@ -4,7 +4,11 @@
 
 #include "transport/transport.h"
 
-/* The transport of that index, from 0; NULL after the last one. The first one serves every listener. */
-const struct dmn_transport *dmn_transport_at(size_t index);
+/* Transports by HTTP come first: libwebsockets gives an HTTP request to the first virtual host. */
+enum { DMN_TRANSPORTS = 2 };
+extern const struct dmn_transport *const dmn_transports[DMN_TRANSPORTS];
+
+/* Index of the transport that serves a listener. */
+int dmn_transport_of(const struct dmn_listener *listener);
 
 #endif

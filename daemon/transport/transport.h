@@ -12,10 +12,13 @@
 struct dmn_connection; /* connection.h */
 
 struct dmn_transport {
-    /* Its name, and the callback by which libwebsockets says what happens to a connection: on what comes in
-     * it calls dmn_connection_read(), on room to write dmn_connection_write(), and at the end
-     * dmn_connection_close(). The connection is the opaque user data. */
-    struct lws_protocols protocol;
+    const char *name;
+    bool is_http; /* serves listeners whose address is http:; the other one serves all others */
+    /* What libwebsockets serves, with an empty entry last. The callback of a connection calls
+     * dmn_connection_meet() when messages can come, dmn_connection_read() on what comes in,
+     * dmn_connection_write() on room to write, and at the end dmn_connection_close(). The connection is the
+     * opaque user data. */
+    const struct lws_protocols *protocols;
     lws_adoption_type adoption; /* how libwebsockets adopts an accepted socket */
     size_t headroom;            /* bytes that write() needs free before a message */
 

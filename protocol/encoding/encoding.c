@@ -1,7 +1,7 @@
 /* encoding.c: the table of tile encodings. */
 #include "encoding.h"
 
-static const struct pro_codec *const codecs[] = {&pro_half_zstd, &pro_jpeg};
+static const struct pro_codec *const codecs[] = {&pro_half_zstd, &pro_jpeg, &pro_rgb9e5};
 
 static const struct pro_codec *find(Fovea__Encoding encoding, unsigned size)
 {
@@ -9,6 +9,11 @@ static const struct pro_codec *find(Fovea__Encoding encoding, unsigned size)
     for (size_t i = 0; i < sizeof codecs / sizeof *codecs; i++)
         if (codecs[i]->encoding == encoding) return codecs[i];
     return NULL;
+}
+
+bool pro_encodes(Fovea__Encoding encoding)
+{
+    return find(encoding, 1);
 }
 
 uint8_t *pro_encode(Fovea__Encoding encoding, const float *rgb, unsigned size, size_t *out_count)

@@ -16,7 +16,7 @@ struct pro_codec {
     bool (*decode)(const uint8_t *bytes, size_t count, unsigned size, float *out_rgb);
 };
 
-extern const struct pro_codec pro_half_zstd, pro_jpeg;
+extern const struct pro_codec pro_half_zstd, pro_jpeg, pro_rgb9e5;
 
 #pragma GCC visibility pop
 

@@ -19,6 +19,7 @@
 
 #define HALF_ZSTD FOVEA__ENCODING__ENCODING_HALF_ZSTD
 #define JPEG      FOVEA__ENCODING__ENCODING_JPEG
+#define RGB9E5    FOVEA__ENCODING__ENCODING_RGB9E5
 
 enum { SIZE = 64, VALUES = SIZE * SIZE * 3 };
 
@@ -314,6 +315,64 @@ static void jpeg_numbers_beyond(void **state)
     }
 }
 
+static void rgb9e5_spoilt(void **state)
+{
+    (void)state;
+    spoilt(RGB9E5);
+}
+
+/* The word of one pixel. */
+static uint32_t rgb9e5_word(float r, float g, float b)
+{
+    const float rgb[3] = {r, g, b};
+    size_t count;
+    uint8_t *bytes = pro_encode(RGB9E5, rgb, 1, &count);
+    assert_int_equal(count, 4);
+    const uint32_t word =
+        bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
+    free(bytes);
+    return word;
+}
+
+/* Words by the definition of EXT_texture_shared_exponent: red in the lowest bits, the exponent in the highest. */
+static void rgb9e5_words(void **state)
+{
+    (void)state;
+    assert_int_equal(rgb9e5_word(0, 0, 0), 0);
+    assert_int_equal(rgb9e5_word(1, 0.5f, 0.25f), 16u << 27 | 64u << 18 | 128u << 9 | 256);
+    assert_int_equal(rgb9e5_word(65408, 0, 0), 31u << 27 | 511);
+    assert_int_equal(rgb9e5_word(1e9f, INFINITY, 0), 31u << 27 | 511u << 9 | 511);
+    assert_int_equal(rgb9e5_word(NAN, -1, -INFINITY), 0);
+    assert_int_equal(rgb9e5_word(0x1p-24f, 0, 0), 1);
+    assert_int_equal(rgb9e5_word(0.9999f, 0, 0),
+                     16u << 27 | 256); /* its mantissa rounds up to the next exponent */
+}
+
+/* What it can hold comes back; all else within half a step of the largest channel's. */
+static void rgb9e5_round_trip(void **state)
+{
+    (void)state;
+    static float rgb[VALUES], back[VALUES];
+    uint64_t seed = 9;
+    size_t count;
+    for (int i = 0; i < VALUES; i++) {
+        seed = seed * 6364136223846793005u + 1442695040888963407u;
+        rgb[i] = ldexpf((float)(seed >> 40) * 0x1p-24f, (int)(seed >> 32 & 31) - 15);
+    }
+    uint8_t *bytes = pro_encode(RGB9E5, rgb, SIZE, &count);
+    assert_int_equal(count, 4 * SIZE * SIZE);
+    assert_true(pro_decode(RGB9E5, bytes, count, SIZE, back));
+    for (int i = 0; i < VALUES; i += 3) {
+        const float most = fmaxf(rgb[i], fmaxf(rgb[i + 1], rgb[i + 2]));
+        for (int c = 0; c < 3; c++)
+            assert_true(fabsf(back[i + c] - rgb[i + c]) <= fmaxf(most * 0x1p-9f, 0x1p-25f));
+    }
+    uint8_t *again = pro_encode(RGB9E5, back, SIZE, &count);
+    assert_memory_equal(again, bytes, count);
+    free(bytes);
+    free(again);
+}
+
 /* JPEGs that are valid pictures, but no tiles. */
 static void assert_jpeg_refused(int width, int height, int channels, bool progressive)
 {
@@ -379,6 +438,9 @@ int main(void)
         cmocka_unit_test(jpeg_numbers_beyond),
         cmocka_unit_test(jpeg_spoilt),
         cmocka_unit_test(jpeg_wrong_kind),
+        cmocka_unit_test(rgb9e5_round_trip),
+        cmocka_unit_test(rgb9e5_spoilt),
+        cmocka_unit_test(rgb9e5_words),
         cmocka_unit_test(unknown_encoding_or_size),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,48 @@
+/* Who a browser says it is, and the page's files. */
+#include <arpa/inet.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+#include "transport/visit.h"
+
+/* The name in a Host header, without its port and brackets. False if there is no such name. */
+static bool name_of(const char *host, char *out_name, size_t size)
+{
+    const char *begin = host, *end = host + strcspn(host, ":");
+
+    if (*host == '[') {
+        begin = host + 1;
+        end = strchr(begin, ']');
+        if (!end || (end[1] && end[1] != ':')) return false;
+    }
+    if (end == begin || (size_t)(end - begin) >= size) return false;
+    memcpy(out_name, begin, (size_t)(end - begin));
+    out_name[end - begin] = '\0';
+    return true;
+}
+
+bool dmn_visit_host_is_good(const char *host, const struct dmn_listener *listener)
+{
+    unsigned char address[sizeof(struct in6_addr)];
+    char name[256];
+
+    if (!name_of(host, name, sizeof(name))) return false;
+    return !strcasecmp(name, "localhost") || !strcasecmp(name, listener->address.host) ||
+           inet_pton(AF_INET, name, address) == 1 || inet_pton(AF_INET6, name, address) == 1;
+}
+
+bool dmn_visit_origin_is_good(const char *origin, const char *host, bool is_secure)
+{
+    const char *scheme = is_secure ? "https://" : "http://";
+    const size_t length = strlen(scheme);
+
+    return !*origin || (!strncmp(origin, scheme, length) && !strcasecmp(origin + length, host));
+}
+
+const struct dmn_page_file *dmn_visit_file(const char *path)
+{
+    for (size_t i = 0; i < dmn_page_count; i++)
+        if (!strcmp(dmn_page[i].path, path)) return &dmn_page[i];
+    return NULL;
+}

@@ -1,0 +1,250 @@
+// The page: one picture, one connection, and what hands and keys do.
+import { Chart } from './chart.js';
+import { Connection } from './connection.js';
+import { enter, isThere } from './headset.js';
+import { Picture } from './picture.js';
+import { View } from './view.js';
+
+const at = (id) => document.getElementById(id);
+const canvas = at('view'), view = new View();
+const chart = {
+  rate: new Chart('rate', (v) => (v * 1e-6).toFixed(2) + ' M'),
+  converged: new Chart('converged', (v) => (v * 100).toFixed(1) + ' %'),
+  latency: new Chart('latency', (v) => v.toFixed(1) + ' ms'),
+};
+const VIEW_MS = 40, POINTER_MS = 8, MOVE_M = 0.25, LOOK = 0.08;
+
+let picture = null, headset = null, pointed = false, frozen = false, isStale = true;
+let answered = 0, waiting = null; // newest gaze that a tile has answered; the one that the next frame shows
+let sentView = '', sentViewMs = 0, sentPointerMs = 0;
+
+function say(text) {
+  at('status').textContent = text;
+}
+
+// --- what comes
+
+function takeTile(tile) {
+  if (!picture.put(tile)) return;
+  isStale = true;
+  // Later tiles of the same gaze would tell how long the eye has rested.
+  if (!tile.gazeNs || tile.gazeSequence <= answered || frozen) return;
+  answered = tile.gazeSequence;
+  waiting ??= tile.gazeNs;
+}
+
+function takeStats(stats) {
+  chart.rate.add(stats.samplesPerSecond);
+  chart.converged.add(stats.tiles ? stats.tilesConverged / stats.tiles : 0);
+  takeScene(stats);
+  showFrozen(stats.frozen);
+}
+
+function takeScene({ scene, gazeSource, refused }) {
+  at('scene').textContent = scene + (refused ? ' The last edit was not taken: ' + refused : '');
+  pointed = gazeSource.startsWith('pointer');
+  at('gaze').textContent = pointed ? 'Your pointer is the gaze: no eye tracker is used.' : 'Gaze: ' + gazeSource;
+}
+
+function showFrozen(now) {
+  frozen = now;
+  at('freeze').setAttribute('aria-pressed', now);
+  at('freeze').textContent = now ? 'Unfreeze gaze (F)' : 'Freeze gaze (F)';
+}
+
+try {
+  picture = new Picture(canvas);
+} catch (error) {
+  say(error.message);
+}
+const connection = picture && new Connection({
+  status: say,
+  Welcome(welcome) {
+    picture.begin(welcome);
+    answered = 0;
+    sentView = '';
+    takeScene(welcome);
+    showFrozen(welcome.frozen);
+    say('');
+  },
+  Tile: takeTile,
+  Gaze(gaze) {
+    picture.look(gaze.aim.length ? gaze.aim : gaze.direction);
+    isStale ||= picture.trail || picture.rings;
+  },
+  Stats: takeStats,
+  Done(done) {
+    say(done.text);
+    setTimeout(() => at('status').textContent === done.text && say(''), 4000);
+  },
+});
+
+// --- drawing
+
+function aspect() {
+  return canvas.width / canvas.height;
+}
+
+function shown() {
+  connection.acknowledge();
+  if (waiting === null) return;
+  chart.latency.add(connection.since(waiting));
+  waiting = null;
+}
+
+function draw() {
+  const gl = picture.gl;
+  gl.viewport(0, 0, canvas.width, canvas.height);
+  picture.draw(view.toWorld(aspect()));
+}
+
+function tell([orientation, fovX, fovY]) {
+  const text = [orientation, fovX, fovY].join(), now = performance.now();
+  if (text === sentView || now - sentViewMs < VIEW_MS) return;
+  sentView = text;
+  sentViewMs = now;
+  connection.send('View', { orientation, fovX, fovY });
+}
+
+function frame() {
+  requestAnimationFrame(frame);
+  if (headset) return;
+  const scale = devicePixelRatio, w = Math.round(canvas.clientWidth * scale), h = Math.round(canvas.clientHeight * scale);
+  if (canvas.width !== w || canvas.height !== h) {
+    canvas.width = w;
+    canvas.height = h;
+    isStale = true;
+  }
+  if (connection.isOpen && picture.finest) {
+    const [x, y] = view.halves(aspect());
+    tell([view.orientation, 2 * Math.atan(x), 2 * Math.atan(y)]);
+  }
+  if (isStale) draw();
+  isStale = false;
+  shown();
+}
+
+// --- hands
+
+const fingers = new Map();
+
+function turnBy(dx, dy) {
+  const [x, y] = view.halves(aspect());
+  view.turn(-2 * x * dx / canvas.clientWidth, 2 * y * dy / canvas.clientHeight);
+  isStale = true;
+}
+
+function point(event) {
+  const now = performance.now(), box = canvas.getBoundingClientRect();
+  if (!pointed || now - sentPointerMs < POINTER_MS) return;
+  sentPointerMs = now;
+  const x = (event.clientX - box.left) / box.width * 2 - 1, y = 1 - (event.clientY - box.top) / box.height * 2;
+  connection.send('Pointer', { direction: view.direction(x, y, aspect()) });
+}
+
+canvas.addEventListener('pointerdown', (event) => {
+  canvas.setPointerCapture(event.pointerId);
+  fingers.set(event.pointerId, [event.clientX, event.clientY]);
+});
+canvas.addEventListener('pointermove', (event) => {
+  const before = fingers.get(event.pointerId), now = [event.clientX, event.clientY];
+  point(event);
+  if (!before) return;
+  if (fingers.size === 2) {
+    const [other] = [...fingers].filter(([id]) => id !== event.pointerId).map(([, place]) => place);
+    view.zoom(Math.hypot(before[0] - other[0], before[1] - other[1]) / Math.max(1, Math.hypot(now[0] - other[0], now[1] - other[1])));
+    isStale = true;
+  } else {
+    turnBy(now[0] - before[0], now[1] - before[1]);
+  }
+  fingers.set(event.pointerId, now);
+});
+for (const name of ['pointerup', 'pointercancel']) canvas.addEventListener(name, (event) => fingers.delete(event.pointerId));
+canvas.addEventListener('wheel', (event) => {
+  event.preventDefault();
+  view.zoom(Math.exp(event.deltaY * 0.001));
+  isStale = true;
+}, { passive: false });
+
+// --- controls, each of them by a key too
+
+function savePng() {
+  draw();
+  canvas.toBlob((blob) => {
+    const link = document.createElement('a');
+    link.href = URL.createObjectURL(blob);
+    link.download = 'fovead.png';
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+  });
+}
+
+function walk(right, up, ahead) {
+  const sin = Math.sin(view.yaw), cos = Math.cos(view.yaw);
+  connection.send('Move', { request: 1, relative: true, position: [right * cos + ahead * sin, up, right * sin - ahead * cos] });
+}
+
+function expose(stops) {
+  const slider = at('exposure');
+  slider.value = Number(slider.value) + stops;
+  slider.dispatchEvent(new Event('input'));
+}
+
+function show(overlay) {
+  at('overlay').value = overlay;
+  at('overlay').dispatchEvent(new Event('input'));
+}
+
+const freeze = () => connection.send('Freeze', { frozen: !frozen });
+const recentre = () => connection.send('Recentre', { request: 2 });
+const lookAhead = () => { view.yaw = view.pitch = 0; isStale = true; };
+const look = (x, y) => { view.turn(x * LOOK * view.fov, y * LOOK * view.fov); isStale = true; };
+const zoom = (factor) => { view.zoom(factor); isStale = true; };
+const KEYS = {
+  ArrowLeft: () => look(-1, 0), ArrowRight: () => look(1, 0), ArrowUp: () => look(0, 1), ArrowDown: () => look(0, -1),
+  '+': () => zoom(0.9), '=': () => zoom(0.9), '-': () => zoom(1 / 0.9), Home: lookAhead,
+  w: () => walk(0, 0, MOVE_M), s: () => walk(0, 0, -MOVE_M), a: () => walk(-MOVE_M, 0, 0), d: () => walk(MOVE_M, 0, 0),
+  e: () => walk(0, MOVE_M, 0), q: () => walk(0, -MOVE_M, 0),
+  f: freeze, c: recentre, p: savePng, '[': () => expose(-0.25), ']': () => expose(0.25),
+  1: () => show(0), 2: () => show(1), 3: () => show(2), 4: () => show(3),
+  h: () => at('panel').classList.toggle('hidden'),
+};
+addEventListener('keydown', (event) => {
+  const act = KEYS[event.key.length === 1 ? event.key.toLowerCase() : event.key];
+  if (!act || event.ctrlKey || event.altKey || event.metaKey) return;
+  if (event.target !== canvas && event.target !== document.body && event.key.length > 1) return; // a slider's own
+  event.preventDefault();
+  act();
+});
+
+function bind(id, apply) {
+  at(id).addEventListener('input', (event) => {
+    apply(event.target);
+    isStale = true;
+  });
+}
+bind('exposure', ({ value }) => {
+  picture.exposure = 2 ** value;
+  at('exposure-text').value = value;
+});
+bind('curve', ({ value }) => { picture.curve = Number(value); });
+bind('overlay', ({ value }) => { picture.overlay = Number(value); });
+bind('rings', ({ checked }) => { picture.rings = checked; });
+bind('trail', ({ checked }) => { picture.trail = checked; });
+at('freeze').onclick = freeze;
+at('recentre').onclick = recentre;
+at('png').onclick = savePng;
+at('front').onclick = lookAhead;
+at('headset').onclick = async () => {
+  if (headset) return headset.end();
+  headset = await enter(picture, tell, shown, () => {
+    headset = null;
+    isStale = true;
+    at('headset').textContent = 'Enter headset';
+  });
+  at('headset').textContent = 'Leave headset';
+};
+
+if (picture) frame();
+isThere().then((there) => { at('headset').hidden = !there; });
+window.fovead = { picture, view, connection, chart }; // for who looks from the console

@@ -1,0 +1,236 @@
+// The panorama on the GPU: tiles of all levels in one texture, and a ray for every pixel of the view.
+//
+// Level n of the protocol is mip level n of the texture. A second texture says for each tile of level 0 which is the finest
+// level that has come there, so that places without a fine tile show the coarse one.
+
+const VERTEX = `#version 300 es
+const vec2 corner[3] = vec2[3](vec2(-1, -1), vec2(3, -1), vec2(-1, 3));
+out vec2 at;
+void main() {
+  at = corner[gl_VertexID];
+  gl_Position = vec4(at, 0, 1);
+}`;
+
+const TRAIL = 24;
+
+const FRAGMENT = `#version 300 es
+precision highp float;
+precision highp int;
+precision highp usampler2D;
+in vec2 at;
+out vec4 colour;
+uniform mat4 toWorld;        // from the view's clip space to directions in the world
+uniform sampler2D film;
+uniform usampler2D finest;   // per tile of level 0: finest level that has come, or 255
+uniform sampler2D figures;   // the same tiles: log2 of paths per pixel over 16, error, converged, settled
+uniform ivec2 size;          // of level 0, pixels
+uniform int tile, least, overlay, curve;  // least: finest level that the texture holds
+uniform float exposure;
+uniform bool rings, trail;
+uniform vec3 gaze[${TRAIL}]; // newest first
+uniform int gazes;
+const float PI = 3.14159265358979;
+
+ivec2 cellOf(ivec2 texel, int level) { return (texel << level) / tile; }
+
+// The four texels of the level around a place, each from the finest level that has come where the texel is.
+vec3 lookUp(vec2 uv) {
+  ivec2 cell = clamp(ivec2(uv * vec2(size)) / tile, ivec2(0), size / tile - 1);
+  int level = int(texelFetch(finest, cell, 0).r);
+  if (level == 255) return vec3(0);
+  ivec2 levelSize = size >> level;
+  vec2 p = uv * vec2(levelSize) - 0.5, f = fract(p);
+  ivec2 first = ivec2(floor(p));
+  vec3 sum = vec3(0);
+  for (int k = 0; k < 4; k++) {
+    ivec2 corner = ivec2(k & 1, k >> 1), texel = first + corner;
+    texel = ivec2((texel.x + levelSize.x) % levelSize.x, clamp(texel.y, 0, levelSize.y - 1));
+    int own = int(texelFetch(finest, cellOf(texel, level), 0).r);
+    vec3 c = own <= level ? texelFetch(film, texel, level - least).rgb
+                          : texelFetch(film, texel >> (own - level), own - least).rgb;
+    sum += c * (corner.x == 1 ? f.x : 1.0 - f.x) * (corner.y == 1 ? f.y : 1.0 - f.y);
+  }
+  return sum;
+}
+
+vec3 display(vec3 linear) {
+  vec3 c = linear * exposure;
+  // Hable 2010, "Filmic tonemapping for real-time rendering", with white at 11.2
+  if (curve == 1) {
+    vec4 x = vec4(2.0 * c, 11.2);
+    vec4 y = (x * (0.15 * x + 0.05) + 0.004) / (x * (0.15 * x + 0.5) + 0.06) - 0.02 / 0.3;
+    c = y.rgb / y.a;
+  }
+  c = clamp(c, 0.0, 1.0);
+  return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(vec3(0.0031308), c));
+}
+
+// From dark violet over green to yellow: a polynomial through viridis (van der Walt and Smith 2015).
+vec3 scale(float t) {
+  t = clamp(t, 0.0, 1.0);
+  return clamp(vec3(0.28 + t * (-0.33 + t * (-0.6 + t * 1.65)), 0.01 + t * (1.45 - t * 0.56), 0.33 + t * (1.2 + t * (-2.5 + t * 1.1))), 0.0, 1.0);
+}
+
+void main() {
+  vec4 far = toWorld * vec4(at, 1, 1);
+  vec3 d = normalize(far.xyz);
+  vec2 uv = vec2(0.5 + atan(d.x, -d.z) / (2.0 * PI), 0.5 - asin(clamp(d.y, -1.0, 1.0)) / PI);
+  uv = vec2(fract(uv.x), clamp(uv.y, 0.0, 1.0));
+  vec3 c = display(lookUp(uv));
+  vec4 figure = texelFetch(figures, clamp(ivec2(uv * vec2(size)) / tile, ivec2(0), size / tile - 1), 0);
+  if (overlay == 1) c = scale(figure.r);
+  if (overlay == 2) c = scale(figure.g);
+  if (overlay == 3) {
+    float grey = dot(c, vec3(0.2, 0.7, 0.1));
+    float stripes = step(0.5, fract((gl_FragCoord.x + gl_FragCoord.y) / 12.0));
+    c = figure.b > 0.5 ? mix(vec3(grey), vec3(0.2, 0.9, 0.4), 0.4) : figure.a > 0.5 ? mix(vec3(grey), vec3(0.3, 0.6, 1.0), 0.25 + 0.3 * stripes) : vec3(grey);
+  }
+  if (gazes > 0) {
+    float away = degrees(acos(clamp(dot(d, gaze[0]), -1.0, 1.0))), pixel = fwidth(away) + 1e-4;
+    if (rings) {
+      for (int k = 0; k < 4; k++) {
+        float line = smoothstep(1.5, 0.5, abs(away - (k == 0 ? 5.79 : 5.0 * exp2(float(k)))) / pixel);
+        c = mix(c, vec3(1.0, 0.85, 0.2), 0.7 * line);
+      }
+    }
+    if (trail) {
+      for (int k = gazes - 1; k >= 0; k--) {
+        float near = degrees(acos(clamp(dot(d, gaze[k]), -1.0, 1.0)));
+        float dot1 = smoothstep(0.35, 0.2, near) * (1.0 - float(k) / float(${TRAIL}));
+        c = mix(c, k == 0 ? vec3(1.0, 0.2, 0.2) : vec3(1.0, 0.5, 0.2), 0.8 * dot1);
+      }
+    }
+  }
+  colour = vec4(c, 1);
+}`;
+
+function compile(gl, kind, text) {
+  const shader = gl.createShader(kind);
+  gl.shaderSource(shader, text);
+  gl.compileShader(shader);
+  if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
+  return shader;
+}
+
+export class Picture {
+  constructor(canvas) {
+    const gl = this.gl = canvas.getContext('webgl2', { antialias: false, alpha: false, xrCompatible: true });
+    if (!gl) throw new Error('This browser has no WebGL2.');
+    const program = this.program = gl.createProgram();
+    gl.attachShader(program, compile(gl, gl.VERTEX_SHADER, VERTEX));
+    gl.attachShader(program, compile(gl, gl.FRAGMENT_SHADER, FRAGMENT));
+    gl.linkProgram(program);
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
+    this.place = new Proxy({}, { get: (known, name) => known[name] ??= gl.getUniformLocation(program, name) });
+    gl.bindVertexArray(gl.createVertexArray());
+    this.textures = [];
+    this.exposure = 1;
+    this.curve = this.overlay = 0;
+    this.rings = false;
+    this.trail = true;
+    this.gaze = []; // newest first
+  }
+
+  // Begin an empty film: width x height pixels in so many levels of tiles.
+  begin({ width, height, tileSize, levels, generation }) {
+    const gl = this.gl, most = gl.getParameter(gl.MAX_TEXTURE_SIZE);
+    for (const texture of this.textures) gl.deleteTexture(texture);
+    this.width = width;
+    this.height = height;
+    this.tile = tileSize;
+    this.generation = generation;
+    this.least = 0;
+    while (width >> this.least > most) this.least++;
+    this.columns = width / tileSize;
+    this.rows = height / tileSize;
+    const make = (unit, format, levels, w, h, filter) => {
+      const texture = gl.createTexture();
+      gl.activeTexture(gl.TEXTURE0 + unit);
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+      gl.texStorage2D(gl.TEXTURE_2D, levels, format, w, h);
+      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, levels > 1 ? gl.NEAREST_MIPMAP_NEAREST : filter);
+      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, filter);
+      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
+      return texture;
+    };
+    this.textures = [
+      make(0, gl.RGB9_E5, levels - this.least, width >> this.least, height >> this.least, gl.NEAREST),
+      make(1, gl.R8UI, 1, this.columns, this.rows, gl.NEAREST),
+      make(2, gl.RGBA8, 1, this.columns, this.rows, gl.NEAREST),
+    ];
+    this.finest = new Uint8Array(this.columns * this.rows);
+    this.figures = new Uint8Array(this.columns * this.rows * 4);
+    this.empty(generation);
+  }
+
+  empty(generation) {
+    this.generation = generation;
+    this.finest.fill(255);
+    this.figures.fill(0);
+    this.changed = true;
+  }
+
+  // Take a tile to the GPU. False if it is not of this film, or finer than the GPU can hold.
+  put({ generation, level, x, y, data, samples, error, converged, settled }) {
+    if (!this.finest || generation < this.generation || level < this.least) return false;
+    if (generation > this.generation) this.empty(generation);
+    const gl = this.gl, words = new Uint32Array(data.slice().buffer), pixels = this.tile;
+    if (words.length !== pixels * pixels) return false;
+    const w = Math.min(pixels, (this.width >> level) - x * pixels), h = Math.min(pixels, (this.height >> level) - y * pixels);
+    gl.activeTexture(gl.TEXTURE0);
+    gl.pixelStorei(gl.UNPACK_ROW_LENGTH, pixels);
+    gl.texSubImage2D(gl.TEXTURE_2D, level - this.least, x * pixels, y * pixels, w, h, gl.RGB, gl.UNSIGNED_INT_5_9_9_9_REV, words);
+    gl.pixelStorei(gl.UNPACK_ROW_LENGTH, 0);
+    const span = 1 << level, perPixel = samples / (pixels * pixels * span * span);
+    const figure = [Math.log2(1 + perPixel) / 16 * 255, Number.isFinite(error) ? Math.min(error * 4, 1) * 255 : 255, converged * 255, settled * 255];
+    for (let row = y * span; row < Math.min((y + 1) * span, this.rows); row++)
+      for (let column = x * span; column < Math.min((x + 1) * span, this.columns); column++) {
+        const i = row * this.columns + column;
+        if (level > this.finest[i]) continue; // a finer one shows there already
+        this.finest[i] = level;
+        this.figures.set(figure, 4 * i);
+      }
+    return this.changed = true;
+  }
+
+  // Draw what is seen through toWorld, the inverse of projection times rotation, into the viewport that is set.
+  draw(toWorld) {
+    const gl = this.gl, place = this.place;
+    if (!this.finest) return;
+    if (this.changed) {
+      gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+      gl.activeTexture(gl.TEXTURE1);
+      gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, this.columns, this.rows, gl.RED_INTEGER, gl.UNSIGNED_BYTE, this.finest);
+      gl.activeTexture(gl.TEXTURE2);
+      gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, this.columns, this.rows, gl.RGBA, gl.UNSIGNED_BYTE, this.figures);
+      this.changed = false;
+    }
+    gl.useProgram(this.program);
+    gl.uniformMatrix4fv(place.toWorld, false, toWorld);
+    gl.uniform1i(place.film, 0);
+    gl.uniform1i(place.finest, 1);
+    gl.uniform1i(place.figures, 2);
+    gl.uniform2i(place.size, this.width, this.height);
+    gl.uniform1i(place.tile, this.tile);
+    gl.uniform1i(place.least, this.least);
+    gl.uniform1i(place.overlay, this.overlay);
+    gl.uniform1i(place.curve, this.curve);
+    gl.uniform1f(place.exposure, this.exposure);
+    gl.uniform1i(place.rings, this.rings ? 1 : 0);
+    gl.uniform1i(place.trail, this.trail ? 1 : 0);
+    gl.uniform1i(place.gazes, this.gaze.length);
+    if (this.gaze.length) gl.uniform3fv(place.gaze, this.gaze.flat());
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+  }
+
+  // The gaze is there now.
+  look(direction) {
+    this.gaze.unshift(direction);
+    if (this.gaze.length > TRAIL) this.gaze.pop();
+  }
+
+  // Share of the film that has a picture of level 0.
+  get coverage() {
+    return this.finest ? this.finest.reduce((n, level) => n + (level === this.least), 0) / this.finest.length : 0;
+  }
+}

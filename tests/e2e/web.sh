@@ -1,0 +1,104 @@
+#!/bin/bash
+# What browsers are served: the page's files and nothing else, to those who ask as the page does; and WebSocket, where
+# whoever says nonsense is dropped with a line that says why, while an honest client goes on.
+. "$(dirname "$0")/common.sh"
+make_room
+port=$("$programs/e2e_port")
+start --scene room.obj --size 512x256 --gaze synthetic:1 --listen "http:127.0.0.1:$port" --listen "unix:$place/fovead.sock"
+grep -q "^page     http://127.0.0.1:$port/$" daemon.out || fail "no address of the page: $(cat daemon.out)"
+
+# ask REQUEST: what is answered until the daemon ends the connection; \r\n are written as in printf.
+ask() {
+    exec 3<>"/dev/tcp/127.0.0.1/$port" || fail "no connection"
+    printf "$1" >&3
+    cat <&3 >answer
+    exec 3>&-
+}
+host="Host: 127.0.0.1:$port\r\n"
+end="Connection: close\r\n\r\n"
+# answered STATUS: the answer begins so.
+answered() { head -n 1 answer | grep -q "^HTTP/1.1 $1 " || fail "expected $1: $(head -c 300 answer)"; }
+
+# The page's files, whole and of their kind; nothing beside them.
+for file in "$source"/protocol/web/*; do
+    name=$(basename "$file")
+    [ "$name" != index.html ] || name=
+    ask "GET /$name HTTP/1.1\r\n$host$end"
+    answered 200
+    case $file in
+    *.html) kind=text/html ;;
+    *.js) kind=text/javascript ;;
+    *.css) kind=text/css ;;
+    *.svg) kind=image/svg+xml ;;
+    esac
+    tr -d '\r' <answer >text
+    grep -qi "^content-type: $kind$" text && grep -qi "^content-security-policy: default-src 'none'" text || fail "headers of $name: $(head -n 9 text)"
+    sed '1,/^\r*$/d' answer | cmp - "$file" || fail "$name is not what is in the tree"
+done
+for path in /index.html /none /../fovead /%%2e%%2e/etc/passwd //; do
+    ask "GET $path HTTP/1.1\r\n$host$end"
+    ! head -n 1 answer | grep -q ' 200 ' || cmp -s <(sed '1,/^\r*$/d' answer) "$source/protocol/web/index.html" || fail "$path is served"
+done
+ask "POST / HTTP/1.1\r\n${host}Content-Length: 0\r\n$end"
+answered 405
+ask "GET / HTTP/1.1\r\nHost: localhost:1\r\n$end" # by adb reverse, say
+answered 200
+ask "GET / HTTP/1.1\r\nHost: [::1]:$port\r\n$end"
+answered 200
+
+# A page of another site, whose name may have been made to lead here.
+for site in evil.example "evil.example:$port" 127.0.0.1.evil.example localhost.evil.example; do
+    ask "GET / HTTP/1.1\r\nHost: $site\r\n$end"
+    answered 403
+done
+key="Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: fovea\r\n\r\n"
+for origin in http://evil.example "https://127.0.0.1:$port" "http://127.0.0.1:$((port + 1))" null "http://127.0.0.1:$port.evil.example"; do
+    ask "GET / HTTP/1.1\r\n${host}Origin: $origin\r\n$key"
+    ! head -n 1 answer | grep -q ' 101 ' || fail "a page of $origin comes in"
+done
+grep -q 'turned away: it asks as a page of another site does$' daemon.err || fail "nothing is said of it: $(cat daemon.err)"
+
+# Messages: a masked frame of 0 makes the mask of no effect. Text, nonsense, and a message before Hello.
+for case in 'text:\x81\x82\0\0\0\0hi' 'not a message:\x82\x82\0\0\0\0\x3a\5' 'did not say hello first:\x82\x84\0\0\0\0\x3a\2\x8\5' 'no known body:\x82\x83\0\0\0\0\xf8\3\1'; do
+    ask "GET / HTTP/1.1\r\n${host}Origin: http://127.0.0.1:$port\r\n$key${case#*:}"
+    answered 101
+    grep -aq "${case%%:*}" answer || fail "it is not told '${case%%:*}'"
+    grep -q "dropped: .*${case%%:*}" daemon.err || fail "nothing is said of '${case%%:*}': $(cat daemon.err)"
+done
+# Hello in two fragments, with a version that is none; and a message longer than any may be.
+ask "GET / HTTP/1.1\r\n$host$key"'\x02\x82\0\0\0\0\x0a\2\x80\x82\0\0\0\0\x8\x9'
+grep -aq 'it speaks version 9' answer || fail "fragments are not put together: $(tail -n 2 daemon.err)"
+{
+    printf "GET / HTTP/1.1\r\n$host$key"
+    printf '\x82\xff\0\0\0\0\0\1\0\1\0\0\0\0'
+    head -c 65537 /dev/zero
+} >long
+exec 3<>"/dev/tcp/127.0.0.1/$port"
+cat long >&3 2>/dev/null || true
+cat <&3 >answer || true
+exec 3>&-
+grep -q 'dropped: it sent a message that is too long' daemon.err || fail "a message without end: $(tail -n 2 daemon.err)"
+
+# What is no HTTP, headers without end, and connections that come and go.
+ask "nonsense\r\n\r\n"
+{
+    printf 'GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nX: '
+    head -c 100000 /dev/zero | tr '\0' x
+} >long
+exec 3<>"/dev/tcp/127.0.0.1/$port"
+cat long >&3 2>/dev/null || true
+cat <&3 >/dev/null || true
+exec 3>&-
+for i in $(seq 200); do
+    exec 3<>"/dev/tcp/127.0.0.1/$port" || fail "connection $i is refused"
+    exec 3>&-
+done
+are_gone() { "$foveactl" stats --json >stats.json && [ "$(number clients stats.json)" = 1 ]; }
+await 'all of them to be gone' are_gone
+"$foveactl" watch --for 1 --json >watch.json || fail "the honest client"
+stop
+! grep -v '^fovead: \(client [0-9]* (.*) \(dropped\|turned away\)\|libwebsockets\): ' daemon.err || fail 'other lines'
+
+# Browsers alone connect there; a token is asked for where others could come.
+refused 'browsers connect there' "$foveactl" --connect "http:127.0.0.1:$port" stats
+refused FOVEAD_TOKEN "$fovead" --scene room.obj --listen "http:0.0.0.0:$port"
