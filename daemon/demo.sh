@@ -60,5 +60,6 @@ Your own scene and recorded gaze:
 and in another terminal
   build/demo/foveactl watch
   build/demo/foveactl snapshot view.png --view gaze,90
+or in a browser: give fovead --listen http:127.0.0.1:7462 and open http://127.0.0.1:7462/
 More: build/demo/fovead --help, build/demo/foveactl --help
 END

@@ -44,13 +44,27 @@ vec3 lookUp(vec2 uv) {
   vec3 sum = vec3(0);
   for (int k = 0; k < 4; k++) {
     ivec2 corner = ivec2(k & 1, k >> 1), texel = first + corner;
-    texel = ivec2((texel.x + levelSize.x) % levelSize.x, clamp(texel.y, 0, levelSize.y - 1));
+    // Beyond a pole is the same row again, half a turn further.
+    if (texel.y < 0 || texel.y >= levelSize.y) texel = ivec2(texel.x + levelSize.x / 2, texel.y < 0 ? 0 : levelSize.y - 1);
+    texel.x = (texel.x + levelSize.x) % levelSize.x;
     int own = int(texelFetch(finest, cellOf(texel, level), 0).r);
     vec3 c = own <= level ? texelFetch(film, texel, level - least).rgb
                           : texelFetch(film, texel >> (own - level), own - least).rgb;
     sum += c * (corner.x == 1 ? f.x : 1.0 - f.x) * (corner.y == 1 ? f.y : 1.0 - f.y);
   }
   return sum;
+}
+
+// Near a pole texels are slivers: the mean of as many side by side as are as wide as one is high.
+vec3 lookAround(vec2 uv, float slimness) {
+  float wide = min(1.0 / max(slimness, 1e-4), float(size.x)) - 1.0;
+  int taps = int(clamp(wide + 1.5, 1.0, 32.0));
+  vec3 sum = vec3(0);
+  for (int k = 0; k < taps; k++) {
+    float aside = ((float(k) + 0.5) / float(taps) - 0.5) * wide / float(size.x);
+    sum += lookUp(vec2(fract(uv.x + aside), uv.y));
+  }
+  return sum / float(taps);
 }
 
 vec3 display(vec3 linear) {
@@ -76,7 +90,7 @@ void main() {
   vec3 d = normalize(far.xyz);
   vec2 uv = vec2(0.5 + atan(d.x, -d.z) / (2.0 * PI), 0.5 - asin(clamp(d.y, -1.0, 1.0)) / PI);
   uv = vec2(fract(uv.x), clamp(uv.y, 0.0, 1.0));
-  vec3 c = display(lookUp(uv));
+  vec3 c = display(lookAround(uv, length(d.xz)));
   vec4 figure = texelFetch(figures, clamp(ivec2(uv * vec2(size)) / tile, ivec2(0), size / tile - 1), 0);
   if (overlay == 1) c = scale(figure.r);
   if (overlay == 2) c = scale(figure.g);

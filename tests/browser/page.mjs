@@ -60,7 +60,7 @@ async function stop() {
 const ctl = (...words) => execFileSync(foveactl, ['--connect', socket, ...words], { encoding: 'utf8' });
 
 async function open(url, script) {
-  const page = await browser.newPage({ viewport: { width: 640, height: 360 }, deviceScaleFactor: 1 });
+  const page = await browser.newPage({ viewport: { width: 320, height: 180 }, deviceScaleFactor: 1 });
   page.on('pageerror', (error) => { page.failed = error.message; });
   if (script) await page.addInitScript(script);
   await page.goto(url);
@@ -130,7 +130,7 @@ async function picture(port) {
     await look(page, yaw, pitch, 90);
     let best = 0;
     await until(`the same picture at ${yaw},${pitch}`, async () => {
-      ctl('snapshot', join(place, 'view.png'), '--view', `${yaw},${pitch},90`, '--size', '640x360', '--settle', '0');
+      ctl('snapshot', join(place, 'view.png'), '--view', `${yaw},${pitch},90`, '--size', '320x180', '--settle', '0');
       best = Math.max(best, psnr(await pixels(page), await decode(page, readFileSync(join(place, 'view.png')))));
       return best > 40;
     });
@@ -140,9 +140,9 @@ async function picture(port) {
 
   // Hands: drag, wheel, keys; the point under the pointer stays under it.
   await look(page, 0, 0, 80);
-  await page.mouse.move(320, 180);
+  await page.mouse.move(160, 90);
   await page.mouse.down();
-  await page.mouse.move(220, 150, { steps: 5 });
+  await page.mouse.move(110, 75, { steps: 5 });
   await page.mouse.up();
   let { view } = await state(page);
   check(view.yaw > 0.2 && view.pitch < -0.05, 'a drag to the left turns to the right: ' + JSON.stringify(view));
@@ -158,8 +158,8 @@ async function picture(port) {
   await look(page, 40, -10, 60);
   let wanted;
   await until('a gaze at the pointer', async () => {
-    await page.mouse.move(400 + Math.random(), 120);
-    wanted = await page.evaluate(() => window.fovead.view.direction(400 / 320 - 1, 1 - 120 / 180, 640 / 360));
+    await page.mouse.move(200 + Math.random(), 60);
+    wanted = await page.evaluate(() => window.fovead.view.direction(200 / 160 - 1, 1 - 60 / 90, 320 / 180));
     const { gaze } = await state(page);
     return gaze && angle(gaze, wanted) < 2;
   });

@@ -10,7 +10,7 @@ foreach(program compare mean picture)
 endforeach()
 target_link_libraries(e2e_golden PRIVATE daemon)
 
-foreach(name access attention bad_input compare disk files hostile kills libraries move options record shutdown steer streams tracker
+foreach(name access attention bad_input client compare disk files hostile kills libraries move options record shutdown steer streams tracker
         until virtual)
   add_test(NAME e2e_${name} COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/e2e/${name}.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
   set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" SKIP_RETURN_CODE 77)
@@ -25,6 +25,9 @@ if(NOT SANITIZE)
     add_test(NAME e2e_${name} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/e2e/${name}.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
     set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" SKIP_RETURN_CODE 77)
   endforeach()
+  # The page is tested in a real browser, which is slow enough without a sanitizer.
+  add_test(NAME browser_page COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/browser/page.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
+  set_tests_properties(browser_page PROPERTIES LABELS "e2e" SKIP_RETURN_CODE 77)
   # A build with sanitizers is not hardened in the way that these tests check.
   foreach(name hardened service)
     add_test(NAME e2e_${name} COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/e2e/${name}.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})

@@ -14,6 +14,16 @@ ask() {
     cat <&3 >answer
     exec 3>&-
 }
+# speak FRAMES [FILE]: the answer to these frames, and the bytes of the file behind them, once WebSocket is agreed on.
+speak() {
+    exec 3<>"/dev/tcp/127.0.0.1/$port" || fail "no connection"
+    printf "GET / HTTP/1.1\r\n${host}Origin: http://127.0.0.1:$port\r\n$key" >&3
+    while IFS= read -r line <&3 && [ "$line" != $'\r' ]; do echo "$line"; done >answer
+    answered 101
+    { printf "$1"; cat "${2:-/dev/null}"; } >&3 2>/dev/null || true
+    cat <&3 >answer || true
+    exec 3>&-
+}
 host="Host: 127.0.0.1:$port\r\n"
 end="Connection: close\r\n\r\n"
 # answered STATUS: the answer begins so.
@@ -60,23 +70,15 @@ grep -q 'turned away: it asks as a page of another site does$' daemon.err || fai
 
 # Messages: a masked frame of 0 makes the mask of no effect. Text, nonsense, and a message before Hello.
 for case in 'text:\x81\x82\0\0\0\0hi' 'not a message:\x82\x82\0\0\0\0\x3a\5' 'did not say hello first:\x82\x84\0\0\0\0\x3a\2\x8\5' 'no known body:\x82\x83\0\0\0\0\xf8\3\1'; do
-    ask "GET / HTTP/1.1\r\n${host}Origin: http://127.0.0.1:$port\r\n$key${case#*:}"
-    answered 101
+    speak "${case#*:}"
     grep -aq "${case%%:*}" answer || fail "it is not told '${case%%:*}'"
     grep -q "dropped: .*${case%%:*}" daemon.err || fail "nothing is said of '${case%%:*}': $(cat daemon.err)"
 done
 # Hello in two fragments, with a version that is none; and a message longer than any may be.
-ask "GET / HTTP/1.1\r\n$host$key"'\x02\x82\0\0\0\0\x0a\2\x80\x82\0\0\0\0\x8\x9'
+speak '\x02\x82\0\0\0\0\x0a\2\x80\x82\0\0\0\0\x8\x9'
 grep -aq 'it speaks version 9' answer || fail "fragments are not put together: $(tail -n 2 daemon.err)"
-{
-    printf "GET / HTTP/1.1\r\n$host$key"
-    printf '\x82\xff\0\0\0\0\0\1\0\1\0\0\0\0'
-    head -c 65537 /dev/zero
-} >long
-exec 3<>"/dev/tcp/127.0.0.1/$port"
-cat long >&3 2>/dev/null || true
-cat <&3 >answer || true
-exec 3>&-
+head -c 65537 /dev/zero >long
+speak '\x82\xff\0\0\0\0\0\1\0\1\0\0\0\0' long
 grep -q 'dropped: it sent a message that is too long' daemon.err || fail "a message without end: $(tail -n 2 daemon.err)"
 
 # What is no HTTP, headers without end, and connections that come and go.

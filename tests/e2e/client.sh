@@ -1,0 +1,13 @@
+#!/bin/sh
+# Any language will do: a client in Python that was made from fovea.proto alone gets tiles, and checks them.
+. "$(dirname "$0")/common.sh"
+make_room
+python=/usr/bin/python3 # Debian's own, which finds Debian's packages
+if ! command -v protoc >/dev/null || ! "$python" -c 'import google.protobuf, zstandard' 2>/dev/null; then
+    echo "skipped: apt-get install protobuf-compiler python3-protobuf python3-zstandard"
+    exit 77
+fi
+protoc --proto_path="$source/protocol" --python_out=. fovea.proto
+start --scene room.obj --size 1024 --gaze synthetic:5
+"$python" "$source/tests/e2e/client.py" "$place/fovead.sock" . || fail "the client in Python"
+stop
