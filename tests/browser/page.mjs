@@ -226,7 +226,7 @@ async function headset(port) {
   const emulator = readFileSync(createRequire(import.meta.url).resolve('iwer/build/iwer.js'), 'utf8');
   const page = await open('http://127.0.0.1:' + port + '/', emulator + `
     window.device = new IWER.XRDevice(IWER.metaQuest3);
-    window.device.installRuntime();
+    window.device.installRuntime({ forceInstall: true });
     window.device.stereoEnabled = true;`);
   await until('a picture', () => showsPicture(page));
   await until('a button for the headset', () => page.isVisible('#headset'));
