@@ -1,4 +1,4 @@
-/* Half floats or floats. */
+/* Whether the values of an EXR fit half floats, or need floats. */
 #include "exr.h"
 
 #include <math.h>

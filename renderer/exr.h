@@ -1,4 +1,4 @@
-/* What an EXR holds of values. */
+/* Whether the values of an EXR fit half floats, or need floats. */
 #ifndef FOVEAD_RENDERER_EXR_H
 #define FOVEAD_RENDERER_EXR_H
 

@@ -1,4 +1,4 @@
-/* Text that comes from files, for terminals. */
+/* Makes text that comes from files safe for terminals. */
 #include "renderer.h"
 
 void rnd_make_printable(char *text)

@@ -1,4 +1,4 @@
-/* The film as a file, which fovead-image writes. */
+/* Writes the film as a file, by means of fovead-image. */
 #include "exr.h"
 #include "render.h"
 #include "import/image_apart.h"

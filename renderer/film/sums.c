@@ -1,4 +1,4 @@
-/* What has reached the pixels of a tile at any level. */
+/* Sums of the film over the pixels of a tile at any level. */
 #include "film/sums.h"
 #include "math/pool.h"
 #include "math/sphere.h"

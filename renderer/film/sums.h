@@ -1,4 +1,4 @@
-/* What has reached the pixels of a tile at any level. */
+/* Sums of the film over the pixels of a tile at any level. */
 #ifndef FOVEAD_RENDERER_SUMS_H
 #define FOVEAD_RENDERER_SUMS_H
 

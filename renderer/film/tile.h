@@ -1,12 +1,12 @@
-/* The film: tiles of pixels with two half-means each, so that their difference tells the error.
+/* The film: tiles of pixels. A pixel has two half-means, whose difference tells its error.
  *
- * A tile is written by one thread at a time; its lock is held only while finished samples are added, so that
- * a reader never sees half an addition and never waits for a ray. What is known of a tile is published beside
- * that, and is read without its lock: a thread that the system puts aside while it has a lock holds nobody up
- * who only wants to know what there is.
+ * One thread at a time writes a tile. It holds the tile's lock only while it adds finished samples, so a
+ * reader never sees half an addition and never waits for a ray. The state of a tile is also published, and
+ * can be read without the lock: if the system suspends a thread that holds the lock, nobody who only reads
+ * states has to wait.
  *
- * Pixels are most of a film and lie in memory of their own, which is not touched before a tile has more than
- * a few paths: fresh memory is slow, and the first coarse picture must not wait for all of it.
+ * Pixels are most of a film. They lie in memory of their own, which is not touched before the tile has more
+ * than a few paths: fresh memory is slow, and the first coarse picture must not wait for all of it.
  */
 #ifndef FOVEAD_RENDERER_TILE_H
 #define FOVEAD_RENDERER_TILE_H

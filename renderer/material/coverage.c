@@ -1,9 +1,9 @@
-/* Coverage: rays pass where a masked or blended material is not, and panes of glass. Embree asks at every hit
- * of such a mesh, and of no other: a scene without them pays nothing.
+/* Coverage: whether a ray meets a masked or blended material, or a pane of glass, or passes through it.
+ * Embree asks this for hits of such meshes alone: a scene without them pays nothing.
  *
- * A blended hit counts with the probability of its coverage, and a pane's with that of light not to pass. The
- * coin is a hash of the ray and the triangle, so that nothing is remembered: the same ray meets the same
- * surface however often and in whatever order Embree asks.
+ * A ray meets a blended material with the probability of its coverage, and a pane with the probability that
+ * light does not pass it. The decision is a hash of the ray and the triangle, so nothing has to be
+ * remembered: the same ray meets the same surface, however often and in whatever order Embree asks.
  */
 #include "material/coverage.h"
 #include "material/glass.h"

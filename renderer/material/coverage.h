@@ -1,4 +1,4 @@
-/* Coverage: rays pass where a masked or blended material is not, and panes of glass. */
+/* Coverage: whether a ray meets a masked or blended material, or a pane of glass, or passes through it. */
 #ifndef FOVEAD_RENDERER_COVERAGE_H
 #define FOVEAD_RENDERER_COVERAGE_H
 

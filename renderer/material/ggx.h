@@ -1,15 +1,17 @@
-/* Lambert and glTF 2.0's metallic-roughness as functions of plain floats that a compiler can do many of at
- * once: no branches, no calls but square roots. Directions are in the frame whose z is the shading normal and
- * point away from the surface.
+/* Diffuse (Lambert) and glTF 2.0's metallic-roughness, as functions of plain floats that a compiler can
+ * vectorise: they have no branches, and call nothing but square roots. Directions point away from the
+ * surface. They are in a frame whose z is the shading normal.
  *
- * Metallic-roughness is a GGX lobe over a diffuse one (glTF 2.0 appendix B), and loses nothing:
- * - what the facets of a metal hide from each other is given back to its lobe (Turquin 2019, "Practical
- *   multiple scattering compensation for microfacet models"): times 1 + base (1 - E(o)) / E(o), with E the
- *   albedo of the lobe for a white surface. Only this is not reciprocal: o is where light is followed to.
- * - what the surface of a non-metal does not reflect goes to its diffuse part, on the way in and on the way out
- *   (Ashikhmin and Shirley 2000, with the albedo S of the lobe for their Fresnel):
- *   base (1 - S(o)) (1 - S(i)) / (pi (1 - S_mean)).
- * With base 1 all light returns. E and S are polynomials fitted to quadratures. */
+ * Metallic-roughness is a GGX lobe over a diffuse one (glTF 2.0 appendix B). It loses no energy:
+ * - The facets of a metal hide light from each other. The lobe gets that light back (Turquin 2019,
+ *   "Practical multiple scattering compensation for microfacet models"): it is multiplied by 1 + base (1 -
+ *   E(o)) / E(o), where E is the albedo of the lobe of a white surface, and o the direction to which light
+ *   is followed. This factor alone is not reciprocal.
+ * - The surface of a non-metal reflects some light, and the diffuse lobe gets the rest, on the way in and
+ *   on the way out (Ashikhmin and Shirley 2000, with the albedo S of the lobe in place of their Fresnel
+ *   term): base (1 - S(o)) (1 - S(i)) / (pi (1 - S_mean)).
+ * With base 1 all light returns. E and S are polynomials fitted to quadratures.
+ */
 #ifndef FOVEAD_RENDERER_GGX_H
 #define FOVEAD_RENDERER_GGX_H
 

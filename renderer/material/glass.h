@@ -1,6 +1,9 @@
-/* What glass reflects; panes, which rays pass straight; and rough glass: how much light one bounce off or
- * through one of its facets brings out, so that the rest can be given back (Turquin 2019, "Practical multiple
- * scattering compensation for microfacet models"). */
+/* Glass: what it reflects, panes, and the energy of rough glass.
+ *
+ * Rays pass straight through panes. For rough glass, tables say how much light one bounce off or through a
+ * facet brings out, so that the rest can be given back (Turquin 2019, "Practical multiple scattering
+ * compensation for microfacet models").
+ */
 #ifndef FOVEAD_RENDERER_GLASS_H
 #define FOVEAD_RENDERER_GLASS_H
 

@@ -1,5 +1,5 @@
-/* What materials of all formats share: the default, reflectance, and the stage of the integrator they need.
- */
+/* What materials of all formats share: their defaults, their reflectance, and the stage of the integrator
+ * that serves them. */
 #include "material/material.h"
 #include "material/ggx.h"
 #include "material/glass.h"

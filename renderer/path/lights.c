@@ -1,5 +1,5 @@
-/* Next-event estimation, first half: a light is chosen for every point, from groups as often as the survey
- * found worth while, and one of the group in the same way. */
+/* Next-event estimation, first half: every point chooses a light. It chooses a group of lights with the
+ * probability that the survey found best, and then a light of that group in the same way. */
 #include "path/lights.h"
 #include "light/area.h"
 #include "light/env.h"

@@ -1,8 +1,9 @@
-/* The rays of a wave: they go to Embree together, in the arrays that they are in.
+/* The rays of a wave go to Embree together, in the arrays that hold them.
  *
- * What is one-sided is not there for a camera that sees its back: glTF's back-face culling (glTF 2.0,
- * section 3.9.6), which speaks of what is seen. For light every surface has two sides, or walls that are
- * culled for a view into a room would let the sky in. */
+ * A camera that sees the back of a one-sided surface sees through it: this is glTF's back-face culling
+ * (glTF 2.0, section 3.9.6), which concerns what is seen. Light meets both sides of every surface.
+ * Otherwise a wall that is culled so that a room can be looked into would let the sky in.
+ */
 #include "path/rays.h"
 #include "path/clear.h"
 #include "path/ray.h"

@@ -1,7 +1,8 @@
-/* What surfaces do with light: next-event estimation, second half, and where paths go on.
+/* What surfaces do with light: the second half of next-event estimation, and the directions in which paths
+ * go on.
  *
- * Vector instructions serve diffuse and metallic-roughness surfaces; material/closure.h serves all others, one at a
- * time.
+ * Vector instructions serve diffuse and metallic-roughness surfaces. material/closure.h serves all others,
+ * one point at a time.
  */
 #include "path/scatter.h"
 #include "material/ggx.h"

@@ -1,4 +1,5 @@
-/* Where paths begin: their place within the pixel and all that follows are the pixel's own random numbers. */
+/* Where paths begin. The place within the pixel, and every later random number of a path, come from the
+ * random sequence of its pixel. */
 #include "path/start.h"
 #include "math/uv.h"
 

@@ -1,11 +1,12 @@
-/* A look around before the work: how much of each group of lights really arrives, how much from each region
- * of the environment and from each part of the emitters.
+/* The survey: before the first batch, some thousand paths find how much light each group of lights, each
+ * region of the environment and each part of the emitters really gives around the camera.
  *
- * A shading point asks one group for light. The noise is least when each is asked as often as the root mean
- * square of what it then gives (Veach 1997, section 9.2), and that is not its power: most of a sky is hidden
- * from a room. The same holds for the regions of the environment, which a room sees through its windows, and
- * for the emitters of a house, most of which are in other rooms. A few thousand paths from the camera ask all
- * groups at every point and see. What they find changes the noise and never the mean. */
+ * A shading point asks one group for light. The noise is least if each group is asked in proportion to the
+ * root mean square of what it gives (Veach 1997, section 9.2). That is not its power: most of a sky is
+ * hidden from a room. The same holds for the regions of the environment, which a room sees through its
+ * windows, and for the emitters of a house, most of which are in other rooms. The paths of the survey start
+ * at the camera and ask all groups at every point. What they find changes the noise, and never the mean.
+ */
 #include "path/survey.h"
 #include "path/clear.h"
 #include "light/env.h"

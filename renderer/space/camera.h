@@ -1,4 +1,4 @@
-/* Where a picture is rendered from. */
+/* The camera: where a picture is rendered from. */
 #ifndef FOVEAD_RENDERER_CAMERA_H
 #define FOVEAD_RENDERER_CAMERA_H
 
