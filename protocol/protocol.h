@@ -32,10 +32,10 @@ enum {
 
 /* --- messages --- */
 
-/* Unpack a message without a frame. NULL and a line in out_error if the bytes do not parse, the message has no
- * known body, or memory is short. Allocates at most count bytes and 16 KiB. The caller frees the message with
- * fovea__message__free_unpacked(m, NULL), and checks which side may send it, and how many numbers a repeated
- * field has. */
+/* Unpack a message without a frame. NULL and a line in out_error if the bytes do not parse, the message has
+ * no known body, or memory is short. Allocates at most count bytes and 16 KiB. The caller frees the message
+ * with fovea__message__free_unpacked(m, NULL), and checks which side may send it, and how many numbers a
+ * repeated field has. */
 Fovea__Message *pro_unpack_message(const uint8_t *bytes, size_t count, char out_error[PRO_ERROR_SIZE]);
 
 /* Pack a message without a frame. Returns malloc'ed bytes, which the caller frees, and their count; NULL if
@@ -83,9 +83,9 @@ uint8_t *pro_pack(const Fovea__Message *message, size_t headroom, size_t *out_co
 bool pro_encodes(Fovea__Encoding encoding);
 
 /* Encode a tile of size x size RGB floats, linear radiance; size is at most PRO_MAX_TILE. Returns malloc'ed
- * bytes, which the caller frees, and their count; NULL if memory is short, or if there is no such encoding or
- * size. NaN becomes 0; half floats are clamped to +-65504, RGB9E5 to 0 to 65408, JPEG to what a display shows,
- * 0 to 1. Any thread may call this. */
+ * bytes, which the caller frees, and their count; NULL if memory is short, or if there is no such encoding
+ * or size. NaN becomes 0; half floats are clamped to +-65504, RGB9E5 to 0 to 65408, JPEG to what a display
+ * shows, 0 to 1. Any thread may call this. */
 uint8_t *pro_encode(Fovea__Encoding encoding, const float *rgb, unsigned size, size_t *out_count);
 
 /* Decode into size x size RGB floats, linear radiance. False, with out_rgb undefined, if the bytes are not

@@ -78,8 +78,8 @@ struct rnd_scene_info {
     uint64_t texture_bytes;             /* 0 while they are read */
     double read_seconds, build_seconds; /* import and textures; BVH and light tables */
     const char *unsupported; /* features that the file uses and the renderer lacks, comma-separated, or "" */
-    /* All other files that the scene's file names, whether they were found or not: files_bytes bytes of paths,
-     * each with its NUL. The names may hold control characters. */
+    /* All other files that the scene's file names, whether they were found or not: files_bytes bytes of
+     * paths, each with its NUL. The names may hold control characters. */
     const char *files;
     size_t files_bytes;
     const char *warnings; /* lines about what was mended and images that cannot be read, or "" */
@@ -111,8 +111,8 @@ struct rnd_aim {
     /* For a gaze that is uncertain: foveated distributions follow m(e / spread) at eccentricity e, up to 80
      * degrees. 1 or less: they follow m(e). */
     float spread;
-    /* Of the display: foveated distributions are no denser than it can show; m(e) is limited to its cycles per
-     * degree over the eye's 60. 0: no limit. */
+    /* Of the display: foveated distributions are no denser than it can show; m(e) is limited to its cycles
+     * per degree over the eye's 60. 0: no limit. */
     float pixels_per_degree;
     /* Any thread sets this when there is a newer aim. The batch then leaves out the paths that no thread has
      * begun, and ends within the time of a wave. NULL: the batch is always traced whole. */
@@ -209,9 +209,9 @@ void rnd_render_retrace(struct rnd_render *render, const struct rnd_aim *aim, ui
 struct rnd_tile {
     uint64_t samples;   /* paths in it */
     uint32_t unvisited; /* pixels without any */
-    /* Relative standard error of the tile's pixels, by their half-buffers: only one in twenty of its blocks of
-     * 8 x 8 pixels exceeds it. It is relative to the block's mean, or to a hundredth of the picture's median
-     * if that is more. Light that may have been missed counts as error. INFINITY until it is known. */
+    /* Relative standard error of the tile's pixels, by their half-buffers: only one in twenty of its blocks
+     * of 8 x 8 pixels exceeds it. It is relative to the block's mean, or to a hundredth of the picture's
+     * median if that is more. Light that may have been missed counts as error. INFINITY until it is known. */
     float error;
     float sure_error; /* larger one of the last two errors; INFINITY until all pixels had 16 paths at both */
     float luminance;  /* mean, once the error is known */
@@ -226,9 +226,9 @@ int rnd_render_levels(const struct rnd_render *render);
 /* State of all level-0 tiles, row by row: (width / RND_TILE) * (height / RND_TILE) of them. */
 void rnd_render_tiles(struct rnd_render *render, struct rnd_tile *out_tiles);
 
-/* Write the state of each tile that has changed since the last call, into tiles as rnd_render_tiles() lays them
- * out. The first call writes all. Returns how many; their indices go to out_index, which has room for all.
- * Never waits for a batch. For one thread. */
+/* Write the state of each tile that has changed since the last call, into tiles as rnd_render_tiles() lays
+ * them out. The first call writes all. Returns how many; their indices go to out_index, which has room for
+ * all. Never waits for a batch. For one thread. */
 uint32_t rnd_render_published(struct rnd_render *render, struct rnd_tile *tiles, uint32_t *out_index);
 
 /* Is the tile's sure_error below what the eye can see at the eccentricity of its nearest point? Contrast
@@ -261,9 +261,9 @@ bool rnd_render_save(struct rnd_render *render, FILE *file, const char *name, ch
 /* --- images --- */
 
 /* Read an image file as width x height x RGB floats, linear. *out_display (may be NULL): whether the file's
- * values are encoded for a display. Integers of any width are, as sRGB, unless the file names another transfer
- * function (gamma) or says that they are linear; floats are linear. The caller frees. NULL and a line in
- * out_error if the file cannot be read or has more than 1 Gi pixels. */
+ * values are encoded for a display. Integers of any width are, as sRGB, unless the file names another
+ * transfer function (gamma) or says that they are linear; floats are linear. The caller frees. NULL and a
+ * line in out_error if the file cannot be read or has more than 1 Gi pixels. */
 float *rnd_image_read(const char *path, int *out_width, int *out_height, bool *out_display,
                       char out_error[RND_ERROR_SIZE]);
 /* The one channel of that name, width x height floats. */
@@ -272,8 +272,8 @@ float *rnd_image_read_channel(const char *path, const char *channel, int *out_wi
 
 /* Write RGB floats, linear, in the format that the end of name says: .exr as half floats if these hold the
  * values, else as floats; .png, .jpg and other formats of OpenImageIO as 8-bit sRGB, clamped. file is a
- * regular file, open for writing and empty. equirectangular: mark it as a 360-degree panorama. False with a line in
- * out_error if the picture cannot be encoded, or not all of it is written. */
+ * regular file, open for writing and empty. equirectangular: mark it as a 360-degree panorama. False with a
+ * line in out_error if the picture cannot be encoded, or not all of it is written. */
 bool rnd_image_write(FILE *file, const char *name, int width, int height, const float *rgb,
                      bool equirectangular, char out_error[RND_ERROR_SIZE]);
 
@@ -284,8 +284,8 @@ struct rnd_view {
     int width, height;    /* pixels */
 };
 
-/* Fill out_rgb, of the view's size x RGB, from an equirectangular image. Trilinear over a mipmap of the image, so
- * that poles and wide views do not alias (Koskela 2018 section 4.3). False if memory is short. */
+/* Fill out_rgb, of the view's size x RGB, from an equirectangular image. Trilinear over a mipmap of the
+ * image, so that poles and wide views do not alias (Koskela 2018 section 4.3). False if memory is short. */
 bool rnd_image_view(const float *rgb, int width, int height, const struct rnd_view *view, float *out_rgb);
 
 /* --- text --- */

@@ -25,8 +25,8 @@ struct dmn_arrival {
     struct dmn_peer peer;
 };
 
-/* Serve a socket that was accepted, and put the connection into the list. The options are for its session; the
- * peer and the transport set those that depend on them. The socket is closed on failure. */
+/* Serve a socket that was accepted, and put the connection into the list. The options are for its session;
+ * the peer and the transport set those that depend on them. The socket is closed on failure. */
 void dmn_connection_open(struct dmn_connection **list, const struct dmn_arrival *arrival,
                          const struct dmn_client_options *options);
 

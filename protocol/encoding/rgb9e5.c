@@ -1,5 +1,5 @@
-/* rgb9e5.c: linear radiance in 4 bytes per pixel, as a GPU takes it: three mantissas of 9 bits that share an exponent of
- * 5 (EXT_texture_shared_exponent, OpenGL 2006, "Overview" and appendix). */
+/* rgb9e5.c: linear radiance in 4 bytes per pixel, as a GPU takes it: three mantissas of 9 bits that share
+ * an exponent of 5 (EXT_texture_shared_exponent, OpenGL 2006, "Overview" and appendix). */
 #include "encoding.h"
 
 #include <endian.h>

@@ -25,8 +25,8 @@ void rnd_surface_at(const struct rnd_scene *scene, const struct rnd_point *point
                     const struct rnd_facing *facing, const struct rnd_filter *filter,
                     struct rnd_surface *out);
 
-/* The normals at a point that a ray in that direction hit. normal is Embree's: of the triangle, of any length,
- * in the mesh's own coordinates. */
+/* The normals at a point that a ray in that direction hit. normal is Embree's: of the triangle, of any
+ * length, in the mesh's own coordinates. */
 struct rnd_facing rnd_facing_at(const struct rnd_scene *scene, const struct rnd_point *point,
                                 struct rnd_v3 normal, struct rnd_v3 direction);
 

@@ -143,8 +143,8 @@ RND_INLINE float rnd_map_lod(const struct rnd_map *map, float lod)
 #define RND_INDIRECT_FINER 5.0f
 
 /* The mipmap level whose texels are half as large as a path's cone where it hits, or finer. size: log2 of
- * texels per metre at the finest level; footprint: width of the cone, in the mesh's own metres; cosine: between
- * the ray and the shading normal; finer: so many levels. */
+ * texels per metre at the finest level; footprint: width of the cone, in the mesh's own metres; cosine:
+ * between the ray and the shading normal; finer: so many levels. */
 RND_INLINE float rnd_level_at(float size, float footprint, float cosine, float finer)
 {
     /* longer by 1 / cosine one way alone: the mean of both */

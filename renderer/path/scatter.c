@@ -18,8 +18,8 @@ enum { SURE_BOUNCES = 1 };
 
 /* --- light that arrives --- */
 
-/* What a chosen light contributes if it is not hidden, from what of it the surface scatters (times cosine), and
- * the density with which the surface would have drawn its direction; 0 if that is nothing. */
+/* What a chosen light contributes if it is not hidden, from what of it the surface scatters (times cosine),
+ * and the density with which the surface would have drawn its direction; 0 if that is nothing. */
 RND_INLINE struct rnd_v3 contribution(struct rnd_tracer *tracer, size_t j, struct rnd_v3 f, float pdf)
 {
     const struct rnd_light_choices *lights = &tracer->lights;

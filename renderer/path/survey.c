@@ -216,8 +216,8 @@ static void choose_regions(const struct survey *survey, struct rnd_env_choice *o
     if (!rnd_env_choose(env, probability, out)) *out = env->by_weight;
 }
 
-/* Emitters by power, times the root mean square of what those of their part gave over that power. out_factor is
- * for each part how much more often it is drawn than by power. */
+/* Emitters by power, times the root mean square of what those of their part gave over that power.
+ * out_factor is for each part how much more often it is drawn than by power. */
 static void choose_emitters(const struct survey *survey, int group, struct rnd_light_choice *out,
                             float out_factor[RND_LIGHT_PARTS])
 {

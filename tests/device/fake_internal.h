@@ -48,7 +48,8 @@ uint64_t fake_now_ns(void);
 /* Run this thread before all that compute, from now on; for every thread that acts for the kernel. */
 void fake_be_urgent(void);
 
-/* The argument of a request to a device, all of its bytes; NULL if they cannot be had. The caller unrefs it. */
+/* The argument of a request to a device, all of its bytes; NULL if they cannot be had. The caller unrefs
+ * it. */
 UMockdevIoctlData *fake_ioctl_data(UMockdevIoctlClient *client);
 
 /* The next report. Under device->lock. */

@@ -1,5 +1,5 @@
-/* Fuzzing of what a peer can send: bytes to frames to messages to tiles. As a test of its own it changes a valid stream at
- * random from a fixed seed; for libFuzzer see fuzz.h. */
+/* Fuzzing of what a peer can send: bytes to frames to messages to tiles. As a test of its own it changes a
+ * valid stream at random from a fixed seed; for libFuzzer see fuzz.h. */
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>

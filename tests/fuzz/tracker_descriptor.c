@@ -1,4 +1,5 @@
-/* Fuzzing of HID report descriptors: any bytes are a layout that holds together, or one line of error. See fuzz.h. */
+/* Fuzzing of HID report descriptors: any bytes are a layout that holds together, or one line of error. See
+ * fuzz.h. */
 #include "fuzz.h"
 
 #include "hid_descriptor.h"

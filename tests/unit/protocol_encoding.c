@@ -334,7 +334,8 @@ static uint32_t rgb9e5_word(float r, float g, float b)
     return word;
 }
 
-/* Words by the definition of EXT_texture_shared_exponent: red in the lowest bits, the exponent in the highest. */
+/* Words by the definition of EXT_texture_shared_exponent: red in the lowest bits, the exponent in the
+ * highest. */
 static void rgb9e5_words(void **state)
 {
     (void)state;

@@ -172,8 +172,8 @@ static void polynomial_draws(void **state)
 }
 
 /* Acuity capped by a display: flat up to where the eye resolves no more than it shows (25.5 degrees at 12
- * pixels per degree: 7.49 / (0.3 e + 1)^2 = 6 / 60), then as ever; a display that is finer than the eye changes
- * nothing. */
+ * pixels per degree: 7.49 / (0.3 e + 1)^2 = 6 / 60), then as ever; a display that is finer than the eye
+ * changes nothing. */
 static void capped_by_display(void **state)
 {
     (void)state;

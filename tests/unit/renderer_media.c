@@ -198,8 +198,8 @@ static void absorbing(void **state)
         assert_within("bright seen from in the water, green", rgb[1], 3 / index * pow(0.5, 0.75), 0.01);
         rnd_scene_destroy(scene);
     }
-    /* The floor is 1 m below a much wider emitter, both in the water, and the camera looks straight down at it
-     * from 0.1 m. Its radiance is albedo times emission times 2 E3(s), with the exponential integral E3
+    /* The floor is 1 m below a much wider emitter, both in the water, and the camera looks straight down at
+     * it from 0.1 m. Its radiance is albedo times emission times 2 E3(s), with the exponential integral E3
      * (DLMF 8.19) and s the absorption over 1 m. */
     const struct box room[] = {{tinted, 0, {-900, -3, -900}, {900, 0, 900}},
                                {bright, 1, {-800, -1, -800}, {800, -0.5, 800}},

@@ -181,8 +181,8 @@ static void normal_maps(void **state)
     assert_float_equal(look(true).shading.z, 1, 1e-6);
 }
 
-/* The mean over random numbers is what bilinear interpolation gives: the middle of the triangle, at (1/3, 2/3)
- * of 2 x 2 texels, is 1/6 of a texel right of the left ones, and as much above the lower ones. */
+/* The mean over random numbers is what bilinear interpolation gives: the middle of the triangle, at (1/3,
+ * 2/3) of 2 x 2 texels, is 1/6 of a texel right of the left ones, and as much above the lower ones. */
 static void texels_are_picked_by_weight(void **state)
 {
     (void)state;
