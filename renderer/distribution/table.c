@@ -1,14 +1,10 @@
-/* The distributions by name. A new one is one file and one line here. */
+/* The distributions, by name and by index. */
 #include "distribution/distribution.h"
 
 #include <string.h>
 
-static const struct rnd_distribution *const table[] = {
-    &rnd_distribution_fv,
-    &rnd_distribution_fv_exact,
-    &rnd_distribution_vp,
-    &rnd_distribution_od,
-};
+#define ROW(name) &rnd_distribution_##name,
+static const struct rnd_distribution *const table[] = {RND_DISTRIBUTIONS(ROW)};
 
 const struct rnd_distribution *rnd_distribution_at(size_t index)
 {
