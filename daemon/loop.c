@@ -143,7 +143,7 @@ static bool is_full(const struct dmn_loop *loop, const struct dmn_listener *list
 
     for (const struct dmn_connection *c = loop->connections; c; c = c->next) {
         connections++;
-        strangers += c->options.token && !(c->client && c->client->greeted);
+        strangers += c->listener == listener && c->options.token && !(c->client && c->client->greeted);
     }
     snprintf(out_why, size, "%d clients are connected, which is the most", MOST_CLIENTS);
     if (connections >= MOST_CLIENTS) return true;
@@ -216,11 +216,11 @@ static bool adopt_file(struct dmn_loop *loop, int fd, const char *protocol, void
 static bool open_vhosts(struct dmn_loop *loop, struct lws_context_creation_info *info)
 {
     for (int i = 0; i < DMN_TRANSPORTS; i++) {
-        info->vhost_name = dmn_transports[i]->name;
+        info->vhost_name = dmn_transports[i]->host;
         info->protocols = dmn_transports[i]->protocols;
         if (!(loop->clients_of[i] = lws_create_vhost(loop->context, info))) return false;
     }
-    info->vhost_name = "files";
+    info->vhost_name = ":files"; /* see transport.h */
     info->protocols = files;
     loop->files = lws_create_vhost(loop->context, info);
     return loop->files;
@@ -307,7 +307,8 @@ static bool has_more_to_send(struct dmn_loop *loop)
 /* Tell every client that the daemon ends in order. */
 static void say_bye(struct dmn_loop *loop)
 {
-    for (struct dmn_connection *c = loop->connections; c; c = c->next) dmn_session_end(c->client);
+    for (struct dmn_connection *c = loop->connections; c; c = c->next)
+        if (c->client) dmn_session_end(c->client);
     ask_to_write(loop);
     lws_sul_schedule(loop->context, 0, &loop->bye, on_late, BYE_US);
     while (!loop->late && has_more_to_send(loop) && lws_service(loop->context, 0) >= 0) continue;

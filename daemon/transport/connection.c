@@ -6,7 +6,10 @@
 #include "send.h"
 #include "transport/connection.h"
 
-enum { BURST = 8 }; /* messages to one client before it is the turn of others */
+enum {
+    BURST = 8,                        /* messages to one client before others have their turn */
+    VISIT = 15 * DMN_CHECKS_A_SECOND, /* checks that a connection without a session may live */
+};
 
 static void destroy(struct dmn_connection *connection)
 {
@@ -122,6 +125,8 @@ void dmn_connection_check(struct dmn_connection *connection)
     const struct dmn_transport *transport = connection->transport;
     char error[PRO_ERROR_SIZE];
 
+    if (!connection->client && ++connection->checks >= VISIT)
+        lws_set_timeout(connection->wsi, PENDING_TIMEOUT_KILLED_BY_PARENT, LWS_TO_KILL_ASYNC);
     if (!connection->client) return;
     dmn_session_stats(connection->client);
     if (dmn_session_check(connection->client, transport->is_partial(connection), error) &&

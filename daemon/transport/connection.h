@@ -14,6 +14,7 @@ struct dmn_connection {
     struct dmn_client_options options; /* for the session */
     struct dmn_client *client;         /* the session; NULL: none has begun */
     void *unwrapping;                  /* for the transport */
+    unsigned checks;                   /* so far, before the session began */
 };
 
 /* A socket that was accepted. */

@@ -111,7 +111,7 @@ static const struct lws_protocols protocols[] = {
 };
 
 const struct dmn_transport dmn_raw = {
-    .name = "raw",
+    .host = ":raw",
     .protocols = protocols,
     .adoption = LWS_ADOPT_SOCKET,
     .headroom = LWS_PRE + PRO_PREFIX,

@@ -4,7 +4,7 @@
 
 #include "transport/transport.h"
 
-/* Transports by HTTP come first: libwebsockets gives an HTTP request to the first virtual host. */
+/* The transport by HTTP comes first: see dmn_transport.host. */
 enum { DMN_TRANSPORTS = 2 };
 extern const struct dmn_transport *const dmn_transports[DMN_TRANSPORTS];
 

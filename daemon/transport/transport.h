@@ -12,7 +12,10 @@
 struct dmn_connection; /* connection.h */
 
 struct dmn_transport {
-    const char *name;
+    /* Name of the virtual host. libwebsockets gives an HTTP request to the first virtual host whose name begins
+     * as the Host header does up to its colon, or else to the first one of all. The name of a transport that is
+     * not HTTP therefore begins with a colon, so that no Host header leads there. */
+    const char *host;
     bool is_http; /* serves listeners whose address is http:; the other one serves all others */
     /* What libwebsockets serves, with an empty entry last. The callback of a connection calls
      * dmn_connection_meet() when messages can come, dmn_connection_read() on what comes in,

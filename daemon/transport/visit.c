@@ -9,13 +9,15 @@
 /* The name in a Host header, without its port and brackets. False if there is no such name. */
 static bool name_of(const char *host, char *out_name, size_t size)
 {
-    const char *begin = host, *end = host + strcspn(host, ":");
+    const char *begin = host, *end = host + strcspn(host, ":"), *port = end;
 
     if (*host == '[') {
         begin = host + 1;
         end = strchr(begin, ']');
-        if (!end || (end[1] && end[1] != ':')) return false;
+        if (!end) return false;
+        port = end + 1;
     }
+    if (*port && (*port != ':' || port[1 + strspn(port + 1, "0123456789")])) return false;
     if (end == begin || (size_t)(end - begin) >= size) return false;
     memcpy(out_name, begin, (size_t)(end - begin));
     out_name[end - begin] = '\0';

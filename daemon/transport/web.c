@@ -72,6 +72,7 @@ static const char *const HEADERS[][2] = {
     {"x-content-type-options:", "nosniff"},
     {"referrer-policy:", "no-referrer"},
     {"cache-control:", "no-store"},
+    {"cross-origin-resource-policy:", "same-origin"},
 };
 
 /* Write the headers of an answer of count bytes. */
@@ -89,7 +90,7 @@ static bool write_headers(struct lws *wsi, unsigned status, const char *type, si
     return !lws_finalize_write_http_header(wsi, start, &at, end);
 }
 
-/* Write a short text, and be ready for the next request. Returns what the callback returns. */
+/* Write a short text and close the connection. Returns what the callback returns. */
 static int answer_with(struct lws *wsi, unsigned status, const char *text)
 {
     unsigned char buffer[LWS_PRE + 128];
@@ -99,7 +100,7 @@ static int answer_with(struct lws *wsi, unsigned status, const char *text)
     if (!write_headers(wsi, status, "text/plain", count) ||
         lws_write(wsi, buffer + LWS_PRE, count, LWS_WRITE_HTTP_FINAL) != (int)count)
         return -1;
-    return lws_http_transaction_completed(wsi) ? -1 : 0;
+    return -1;
 }
 
 static int take_request(struct lws *wsi, const struct dmn_connection *connection, const char *path,
@@ -226,6 +227,8 @@ static int on_visit(struct lws *wsi, enum lws_callback_reasons reason, void *use
 
     (void)size;
     switch (reason) {
+    case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:
+        return -1; /* a WebSocket that does not ask for the protocol "fovea" */
     case LWS_CALLBACK_HTTP:
         return take_request(wsi, connection, in, user);
     case LWS_CALLBACK_HTTP_WRITEABLE:
@@ -271,7 +274,7 @@ static const struct lws_protocols protocols[] = {
 };
 
 const struct dmn_transport dmn_web = {
-    .name = "web",
+    .host = "web",
     .is_http = true,
     .protocols = protocols,
     .adoption = LWS_ADOPT_SOCKET | LWS_ADOPT_HTTP,

@@ -1,7 +1,7 @@
 // The daemon at the other end of a WebSocket: says hello, keeps the clocks together, comes back after it was lost.
 import { pack, unpack } from './messages.js';
 
-const RGB9E5 = 3, AGAIN_MS = 1000, PING_MS = 1000;
+const RGB9E5 = 3, AGAIN_MS = 1000, MOST_AGAIN_MS = 30000, PING_MS = 1000, SILENT_MS = 5000;
 
 export class Connection {
   // on: functions Welcome, Tile, Gaze, Stats, Done by message, and status(text), where '' means that all is well.
@@ -10,6 +10,7 @@ export class Connection {
     this.offsetNs = null; // the daemon's clock minus ours
     this.roundTripMs = Infinity;
     this.acknowledged = this.serial = 0;
+    this.againMs = AGAIN_MS;
     this.open();
     setInterval(() => this.ping(), PING_MS);
   }
@@ -21,6 +22,8 @@ export class Connection {
 
   open() {
     this.why = '';
+    this.isWelcome = this.isLocked = false;
+    this.heardMs = performance.now();
     this.socket = new WebSocket(location.href.replace(/^http/, 'ws').replace(/#.*/, ''), 'fovea');
     this.socket.binaryType = 'arraybuffer';
     this.socket.onopen = () => this.send('Hello', { version: 1, client: 'web page', tiles: RGB9E5, window: 256, gaze: true, stats: true, token: this.token() });
@@ -29,8 +32,10 @@ export class Connection {
       this.acknowledged = this.serial = 0;
       this.offsetNs = null;
       this.roundTripMs = Infinity;
-      this.on.status(this.why || 'No daemon answers at ' + location.host + '. Trying again.');
-      setTimeout(() => this.open(), AGAIN_MS);
+      this.on.status(this.why || 'The connection to ' + location.host + ' failed or was refused. Trying again.');
+      if (this.isLocked) return addEventListener('hashchange', () => this.open(), { once: true });
+      setTimeout(() => this.open(), this.againMs);
+      this.againMs = Math.min(2 * this.againMs, MOST_AGAIN_MS);
     };
   }
 
@@ -42,30 +47,48 @@ export class Connection {
     if (this.isOpen) this.socket.send(pack(name, values));
   }
 
+  // The daemon takes nothing but Hello before it says Welcome, and then says something four times per second.
   ping() {
+    if (!this.isOpen || !this.isWelcome) return;
+    if (performance.now() - this.heardMs > SILENT_MS) {
+      this.why = 'The daemon has been silent for some seconds. Trying again.';
+      this.socket.close();
+      return;
+    }
     this.send('Ping', { clientNs: Math.round(performance.now() * 1e6) });
   }
 
   take(data) {
     let name, message;
+    this.heardMs = performance.now();
     try {
       [name, message] = unpack(data);
     } catch (error) {
-      this.why = 'The daemon spoke nonsense: ' + error.message + '. Trying again.';
+      this.why = 'The daemon sent what is no message: ' + error.message + '. Trying again.';
       this.socket.close();
       return;
     }
     if (name === 'Pong') {
       const now = performance.now(), roundTrip = now - message.clientNs * 1e-6;
-      if (roundTrip <= this.roundTripMs * 1.05) {
+      this.roundTripMs *= 1.01; // clocks drift apart, so an old estimate loses weight
+      if (roundTrip <= this.roundTripMs) {
         this.roundTripMs = roundTrip;
         this.offsetNs = message.daemonNs - (now - roundTrip / 2) * 1e6;
       }
       return;
     }
-    if (name === 'Welcome') this.ping();
+    if (name === 'Welcome') {
+      this.isWelcome = true;
+      this.againMs = AGAIN_MS;
+      this.ping();
+    }
     if (name === 'Bye') this.why = 'The daemon has ended. Waiting for it to come back.';
-    if (name === 'Done' && !message.ok && message.request === 0) this.why = 'The daemon says: ' + message.text + '.';
+    if (name === 'Done' && !message.ok && message.request === 0) {
+      // Another try with the same token would only slow down everybody else's.
+      this.isLocked = /no token|token is wrong/.test(message.text);
+      this.why = this.isLocked ? 'The daemon asks for a token, and ' + (this.token() ? 'this one is wrong' : 'there is none') + ': add #token=TOKEN to the address.'
+                               : 'The daemon says: ' + message.text + '.';
+    }
     if (name === 'Tile') this.serial = message.serial;
     this.on[name]?.(message);
   }

@@ -19,7 +19,7 @@ let answered = 0, waiting = null; // newest gaze that a tile has answered; the o
 let sentView = '', sentViewMs = 0, sentPointerMs = 0;
 
 function say(text) {
-  at('status').textContent = text;
+  if (at('status').textContent !== text) at('status').textContent = text;
 }
 
 // --- what comes
@@ -110,6 +110,7 @@ function frame() {
   requestAnimationFrame(frame);
   if (headset) return;
   const scale = devicePixelRatio, w = Math.round(canvas.clientWidth * scale), h = Math.round(canvas.clientHeight * scale);
+  if (!w || !h) return;
   if (canvas.width !== w || canvas.height !== h) {
     canvas.width = w;
     canvas.height = h;
@@ -195,7 +196,10 @@ function show(overlay) {
   at('overlay').dispatchEvent(new Event('input'));
 }
 
-const freeze = () => connection.send('Freeze', { frozen: !frozen });
+const freeze = () => {
+  showFrozen(!frozen);
+  connection.send('Freeze', { frozen });
+};
 const recentre = () => connection.send('Recentre', { request: 2 });
 const lookAhead = () => { view.yaw = view.pitch = 0; isStale = true; };
 const look = (x, y) => { view.turn(x * LOOK * view.fov, y * LOOK * view.fov); isStale = true; };
@@ -210,9 +214,9 @@ const KEYS = {
   h: () => at('panel').classList.toggle('hidden'),
 };
 addEventListener('keydown', (event) => {
+  if (event.target.matches('select, input') || (event.repeat && event.key.length === 1 && 'fcph'.includes(event.key.toLowerCase()))) return;
   const act = KEYS[event.key.length === 1 ? event.key.toLowerCase() : event.key];
   if (!act || event.ctrlKey || event.altKey || event.metaKey) return;
-  if (event.target !== canvas && event.target !== document.body && event.key.length > 1) return; // a slider's own
   event.preventDefault();
   act();
 });
@@ -237,14 +241,26 @@ at('png').onclick = savePng;
 at('front').onclick = lookAhead;
 at('headset').onclick = async () => {
   if (headset) return headset.end();
-  headset = await enter(picture, tell, shown, () => {
-    headset = null;
-    isStale = true;
-    at('headset').textContent = 'Enter headset';
-  });
-  at('headset').textContent = 'Leave headset';
+  at('headset').disabled = true;
+  try {
+    headset = await enter(picture, tell, shown, () => {
+      headset = null;
+      isStale = true;
+      at('headset').textContent = 'Enter headset';
+    });
+    at('headset').textContent = 'Leave headset';
+  } catch (error) {
+    say('The headset cannot be entered: ' + error.message);
+  }
+  at('headset').disabled = false;
 };
 
 if (picture) frame();
+addEventListener('visibilitychange', () => { waiting = null; }); // while the page was hidden, it showed nothing
+canvas.addEventListener('webglcontextlost', (event) => {
+  event.preventDefault();
+  say('The GPU has dropped the picture. Waiting for it.');
+});
+canvas.addEventListener('webglcontextrestored', () => location.reload());
 isThere().then((there) => { at('headset').hidden = !there; });
 window.fovead = { picture, view, connection, chart }; // for who looks from the console

@@ -243,7 +243,7 @@ export class Picture {
     if (this.gaze.length > TRAIL) this.gaze.pop();
   }
 
-  // Share of the film that has a picture of level 0.
+  // Share of the film that shows the finest level that the texture holds.
   get coverage() {
     return this.finest ? this.finest.reduce((n, level) => n + (level === this.least), 0) / this.finest.length : 0;
   }

@@ -2,6 +2,7 @@
 // with foveactl's, and what hands do is done by Chromium's own input.
 import { spawn, execFileSync } from 'node:child_process';
 import { mkdtempSync, rmSync, readFileSync, existsSync } from 'node:fs';
+import { createServer as createPage } from 'node:http';
 import { createServer } from 'node:net';
 import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
@@ -206,17 +207,21 @@ async function token(port) {
   await page.close();
   page = await open('http://127.0.0.1:' + port + '/#token=wrong');
   await until('a word on the wrong token', async () => (await status(page)).includes('wrong'));
-  await page.close();
-  page = await open('http://127.0.0.1:' + port + '/#token=right');
+  await page.evaluate(() => { location.hash = '#token=right'; });
   await until('a picture with the token', () => showsPicture(page));
   // A page of another origin, which knows the token, is refused all the same.
-  await page.goto('about:blank');
-  const code = await page.evaluate((url) => new Promise((done) => {
-    const socket = new WebSocket(url, 'fovea');
-    socket.onopen = () => done('open');
-    socket.onerror = () => done('refused');
-  }), `ws://127.0.0.1:${port}/`);
-  check(code === 'refused', 'a page of another origin comes in');
+  const other = createPage((request, response) => response.end('<title>another site</title>')).listen(0, '127.0.0.1');
+  await new Promise((done) => other.once('listening', done));
+  await page.goto('http://127.0.0.1:' + other.address().port + '/');
+  for (const protocol of [['fovea'], [], ['raw'], ['http']]) {
+    const code = await page.evaluate(([url, words]) => new Promise((done) => {
+      const socket = new WebSocket(url, words);
+      socket.onopen = () => done('open');
+      socket.onerror = () => done('refused');
+    }), [`ws://127.0.0.1:${port}/`, protocol]);
+    check(code === 'refused', `a page of another origin comes in with the protocol '${protocol}'`);
+  }
+  other.close();
   await page.close();
   await stop();
 }

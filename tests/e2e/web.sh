@@ -91,6 +91,28 @@ exec 3<>"/dev/tcp/127.0.0.1/$port"
 cat long >&3 2>/dev/null || true
 cat <&3 >/dev/null || true
 exec 3>&-
+# Requests that no page makes, each more often than there are places; none of them may keep a place.
+odd() {
+    for i in $(seq 70); do
+        exec 3<>"/dev/tcp/127.0.0.1/$port" || fail "connection $i is refused"
+        printf "$1" >&3 2>/dev/null || true
+        exec 3>&-
+    done
+}
+plain="Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+for name in raw files web r ''; do
+    odd "GET / HTTP/1.1\r\nHost: $name\r\n\r\n"
+    odd "GET / HTTP/1.1\r\nHost: $name\r\n${plain}Sec-WebSocket-Protocol: raw\r\n\r\n"
+    odd "GET / HTTP/1.1\r\nHost: $name\r\n${plain}Sec-WebSocket-Protocol: signal\r\n\r\n"
+done
+odd "GET / HTTP/1.1\r\n$host$plain\r\n"
+odd "CONNECT host:80 HTTP/1.1\r\n$host\r\n"
+odd "GET / HTTP/1.1\r\n${host}Upgrade: h2c\r\nConnection: Upgrade, HTTP2-Settings\r\nHTTP2-Settings: AAMAAABkAAQAAP__\r\n\r\n"
+serves() { ask "GET / HTTP/1.1\r\n$host$end" && head -n 1 answer | grep -q ' 200 '; }
+await 'a place for an honest browser' serves
+# A WebSocket without the protocol's name is none of ours, whoever asks.
+ask "GET / HTTP/1.1\r\n${host}Origin: http://evil.example\r\n$plain\r\n"
+! head -n 1 answer | grep -q ' 101 ' || fail 'a WebSocket without a protocol comes in'
 for i in $(seq 200); do
     exec 3<>"/dev/tcp/127.0.0.1/$port" || fail "connection $i is refused"
     exec 3>&-
@@ -98,7 +120,11 @@ done
 are_gone() { "$foveactl" stats --json >stats.json && [ "$(number clients stats.json)" = 1 ]; }
 await 'all of them to be gone' are_gone
 "$foveactl" watch --for 1 --json >watch.json || fail "the honest client"
+# A connection that has asked for nothing yet does not disturb the end.
+exec 3<>"/dev/tcp/127.0.0.1/$port"
+sleep 0.3
 stop
+exec 3>&-
 ! grep -v '^fovead: \(client [0-9]* (.*) \(dropped\|turned away\)\|libwebsockets\): ' daemon.err || fail 'other lines'
 
 # Browsers alone connect there; a token is asked for where others could come.
