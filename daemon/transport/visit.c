@@ -1,4 +1,4 @@
-/* Who a browser says it is, and the page's files. */
+/* The headers of a browser's request, and the page's files. */
 #include <arpa/inet.h>
 #include <stdio.h>
 #include <string.h>
@@ -34,9 +34,9 @@ bool dmn_visit_host_is_good(const char *host, const struct dmn_listener *listene
            inet_pton(AF_INET, name, address) == 1 || inet_pton(AF_INET6, name, address) == 1;
 }
 
-bool dmn_visit_origin_is_good(const char *origin, const char *host, bool is_secure)
+bool dmn_visit_origin_is_good(const char *origin, const char *host)
 {
-    const char *scheme = is_secure ? "https://" : "http://";
+    static const char scheme[] = "http://";
     const size_t length = strlen(scheme);
 
     return !*origin || (!strncmp(origin, scheme, length) && !strcasecmp(origin + length, host));

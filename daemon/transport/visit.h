@@ -1,4 +1,4 @@
-/* visit: what a browser may ask for before it has a session: who it says it is, and the page's files. */
+/* visit: what a connection by HTTP needs before it has a session: a check of its headers, and the page's files. */
 #ifndef FOVEAD_DAEMON_TRANSPORT_VISIT_H
 #define FOVEAD_DAEMON_TRANSPORT_VISIT_H
 
@@ -13,13 +13,13 @@ struct dmn_page_file {
 extern const struct dmn_page_file dmn_page[];
 extern const size_t dmn_page_count;
 
-/* Does the request's Host header name this listener? A page of another site whose name was made to lead here
- * (DNS rebinding) has that name in it, so a name must be the listener's own, or localhost; addresses lead
- * nowhere else. */
+/* Does the Host header of a request name this listener? Another site can make its own name resolve to this
+ * machine (DNS rebinding), and its pages then send that name. So a name must be the listener's own, or
+ * localhost. Any numeric address is accepted, because nobody can make an address resolve elsewhere. */
 bool dmn_visit_host_is_good(const char *host, const struct dmn_listener *listener);
-/* Is the Origin header that of a page served here: its scheme and Host? Programs that are no browser send
- * none, and may come in. */
-bool dmn_visit_origin_is_good(const char *origin, const char *host, bool is_secure);
+/* Does the Origin header say that the page was served here, which is "http://" and the Host header? An empty
+ * origin is accepted: browsers always send one, and other programs need none. */
+bool dmn_visit_origin_is_good(const char *origin, const char *host);
 
 /* The file at a path, or NULL. */
 const struct dmn_page_file *dmn_visit_file(const char *path);

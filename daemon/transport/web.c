@@ -48,7 +48,7 @@ static bool is_welcome(struct lws *wsi, const struct dmn_connection *connection)
     char host[HEADER_SIZE], origin[HEADER_SIZE];
     const bool good = copy_header(wsi, WSI_TOKEN_HOST, host) && copy_header(wsi, WSI_TOKEN_ORIGIN, origin) &&
                       dmn_visit_host_is_good(host, connection->listener) &&
-                      dmn_visit_origin_is_good(origin, host, lws_is_ssl(wsi));
+                      dmn_visit_origin_is_good(origin, host);
 
     if (!good)
         dmn_print(stderr, "fovead: client %u (%s) turned away: it asks as a page of another site does\n",
@@ -221,6 +221,13 @@ static bool write_message(struct dmn_connection *connection, uint8_t *block, siz
 
 /* --- what libwebsockets says --- */
 
+/* A socket is gone. Each of its protocols may be told so. */
+static void leave(struct lws *wsi, struct dmn_connection *connection)
+{
+    lws_set_opaque_user_data(wsi, NULL);
+    if (connection) dmn_connection_close(connection);
+}
+
 static int on_visit(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t size)
 {
     struct dmn_connection *connection = wsi ? lws_get_opaque_user_data(wsi) : NULL;
@@ -234,8 +241,7 @@ static int on_visit(struct lws *wsi, enum lws_callback_reasons reason, void *use
     case LWS_CALLBACK_HTTP_WRITEABLE:
         return go_on(wsi, user);
     case LWS_CALLBACK_WSI_DESTROY:
-        lws_set_opaque_user_data(wsi, NULL);
-        if (connection) dmn_connection_close(connection);
+        leave(wsi, connection);
         return 0;
     default:
         return 0;
@@ -259,8 +265,7 @@ static int on_socket(struct lws *wsi, enum lws_callback_reasons reason, void *us
     case LWS_CALLBACK_SERVER_WRITEABLE:
         return dmn_connection_write(connection) ? 0 : -1;
     case LWS_CALLBACK_WSI_DESTROY:
-        lws_set_opaque_user_data(wsi, NULL);
-        if (connection) dmn_connection_close(connection);
+        leave(wsi, connection);
         return 0;
     default:
         return 0;

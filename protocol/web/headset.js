@@ -32,8 +32,8 @@ export async function enter(picture, onView, onFrame, onEnd) {
   return session;
 }
 
-// From an eye's clip space to directions in the world: its projection may be off-centre; the panorama is far away, so
-// where the eye is does not count.
+// From an eye's clip space to directions in the world. The eye's projection may be off-centre. Its position does not
+// matter, because the panorama is far away.
 function toWorld(view) {
   const p = view.projectionMatrix, m = view.transform.matrix;
   const column = (a, b, c) => [0, 1, 2].map((i) => m[i] * a + m[4 + i] * b + m[8 + i] * c);

@@ -263,4 +263,4 @@ canvas.addEventListener('webglcontextlost', (event) => {
 });
 canvas.addEventListener('webglcontextrestored', () => location.reload());
 isThere().then((there) => { at('headset').hidden = !there; });
-window.fovead = { picture, view, connection, chart }; // for who looks from the console
+window.fovead = { picture, view, connection, chart }; // for the console

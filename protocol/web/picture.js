@@ -55,7 +55,7 @@ vec3 lookUp(vec2 uv) {
   return sum;
 }
 
-// Near a pole texels are slivers: the mean of as many side by side as are as wide as one is high.
+// Near a pole texels are narrow. This is the mean of texels side by side that are together as wide as one is high.
 vec3 lookAround(vec2 uv, float slimness) {
   float wide = min(1.0 / max(slimness, 1e-4), float(size.x)) - 1.0;
   int taps = int(clamp(wide + 1.5, 1.0, 32.0));
