@@ -1,8 +1,8 @@
-/* frame.c: frames to bytes and back. A frame is a 4-byte big-endian length and that many bytes of one Message.
+/* frame.c: frames to bytes and back. A frame is a 4-byte big-endian length and that many bytes of one
+ * Message.
  *
- * Nothing here knows of sockets. A peer costs memory in proportion to what it has really sent: the buffer grows
- * with the bytes that came, not with the length that was announced.
- */
+ * Nothing here knows of sockets. A peer costs memory in proportion to what it has really sent: the buffer
+ * grows with the bytes that came, not with the length that was announced. */
 #include "internal.h"
 
 #include <endian.h>

@@ -22,8 +22,8 @@ static void publish(const struct rnd_film *film, struct rnd_film_tile *tile)
     atomic_fetch_or_explicit(&film->published[index / 64], (uint64_t)1 << index % 64, memory_order_release);
 }
 
-/* Never waits for a writer: what it writes is the other half. Whoever reads a word of the turn after the next
- * one sees that the turn has passed, and reads again. */
+/* Never waits for a writer, who writes the other half. If the writer has meanwhile come round to the half
+ * that was read, the turn has changed, and the half is read again. */
 void rnd_film_state(const struct rnd_film_tile *tile, struct rnd_tile *out_state)
 {
     uint64_t word[RND_STATE_WORDS];

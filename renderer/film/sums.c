@@ -14,8 +14,8 @@ static inline void add_part(struct rnd_sum *to, const float mean[3], float paths
     to->hits += hits;
 }
 
-/* Paths of a pixel that found light, as far as its halves tell: of H such paths alike its mean has a relative
- * variance of 1 / H. Halves that agree may do so by chance, while there are few paths. */
+/* About how many paths of a pixel found light, by its halves: the mean of H equal hits has a relative
+ * variance of 1 / H. While there are few paths, halves may agree by chance. */
 static float hits_of(const struct rnd_film_pixel *pixel, uint32_t paths, const float mean[3])
 {
     const float bright = rnd_luminance(mean), even = rnd_luminance(pixel->half[0]),
@@ -25,7 +25,8 @@ static float hits_of(const struct rnd_film_pixel *pixel, uint32_t paths, const f
     return fminf((float)paths, fmaxf(1.0f, 1.0f / (deviation * deviation + 1.0f / most)));
 }
 
-/* The same of a block, by its pixels: a Poisson number that is 0 in so many of them. */
+/* The same for a block, by the share of its pixels that found none: the probability that a Poisson variable
+ * is 0. */
 static float block_hits(const struct rnd_film_block *block)
 {
     if (block->lit == block->visited) return (float)block->paths;

@@ -1,4 +1,5 @@
-/* fovead-image: the program that reads and writes pictures for this one, in processes that a file may crash without harm.
+/* fovead-image: the program that reads and writes pictures for this one. A file that crashes it does no other
+ * harm.
  *
  * It takes long to start, since OpenImageIO has many libraries. So it is started once, and forks a copy of
  * itself for every user; only the copies read and write. It ends with its last user here. Sockets carry

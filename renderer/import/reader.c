@@ -35,9 +35,9 @@ static void silence(posix_spawn_file_actions_t *actions)
     posix_spawn_file_actions_addopen(actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
 }
 
-/* Those who tell this program to stop often tell all that it has started, too: a terminal its process group,
- * systemd its control group. What the reader does is still wanted then, for the picture of the end: it ends
- * with this program, in a process group of its own, and with these signals blocked from its start. */
+/* A signal to stop often reaches every program that this one has started, too: a terminal signals its process
+ * group, systemd its control group. The reader is still needed then, for the last picture. So it runs in a
+ * process group of its own, with these signals blocked from its start. It ends with this program. */
 static int spawn(pid_t *out_pid, const char *path, char *const arguments[], const int *fd, int count)
 {
     posix_spawn_file_actions_t actions;

@@ -12,8 +12,8 @@
 
 /* How a reader ends: 0 if all went well, else these. */
 enum { RND_READER_REFUSES = 1, RND_READER_MEMORY = 3 };
-/* A reader is killed after so many times its limit of processor time on the clock: it waits for something
- * that does not come. */
+/* A reader is killed when this many times its limit of processor time has passed on the clock: it must be
+ * waiting for something that does not come. */
 enum { RND_READER_PATIENCE = 10 };
 
 struct rnd_reader_limits {

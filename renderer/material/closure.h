@@ -1,4 +1,4 @@
-/* The closure of a surface: all its lobes together, as light sees them that is followed in one direction. */
+/* The closure of a surface: all its lobes together, for light that leaves the surface in one direction. */
 #ifndef FOVEAD_RENDERER_CLOSURE_H
 #define FOVEAD_RENDERER_CLOSURE_H
 

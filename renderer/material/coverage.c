@@ -41,8 +41,8 @@ static float coverage(const struct rnd_alpha *alpha, uint32_t triangle, float u,
     return value * (alpha->texture->has_alpha ? t.a : t.r);
 }
 
-/* Of a hit with that coverage, the chance to count. glTF 2.0 section 3.9.4: what equals the cut-off is there.
- */
+/* The chance with which a hit of that coverage counts. A coverage equal to the cut-off counts (glTF 2.0,
+ * section 3.9.4). */
 static float chance(const struct rnd_material *material, float there)
 {
     if (material->alpha_mode == RND_MASK) return there >= material->alpha_cutoff ? 1.0f : 0.0f;
@@ -80,8 +80,8 @@ static uint32_t mix(uint32_t hash, uint32_t value)
     return hash ^ hash >> 13;
 }
 
-/* Embree's names for the parts of a packet of N are C++; their layout is documented: a row of N each (struct
- * RTCRay8 and RTCHit8 list them in order). */
+/* Embree declares the parts of a packet of N rays in C++ alone. Their layout is documented: N values a row,
+ * in the order of struct RTCRay8 and RTCHit8. */
 enum {
     RAY_ORG_X = 0,
     RAY_DIR_X = 4,
@@ -93,7 +93,7 @@ enum {
     HIT_INSTANCE
 };
 
-/* In [0,1), of the i-th ray and what it hits. */
+/* A number in [0,1): a hash of the i-th ray and of the triangle that it hits. */
 static float coin(const struct RTCFilterFunctionNArguments *args, unsigned i)
 {
     const uint32_t *ray = (const uint32_t *)args->ray + i, *hit = (const uint32_t *)args->hit + i;
@@ -105,7 +105,7 @@ static float coin(const struct RTCFilterFunctionNArguments *args, unsigned i)
     return (float)(hash >> 8) * 0x1p-24f;
 }
 
-/* Of rays that meet and rays that are stopped alike. */
+/* For rays that look for the nearest hit, and for shadow rays. */
 static void coverage_filter(const struct RTCFilterFunctionNArguments *args)
 {
     const struct rnd_alpha *alpha = args->geometryUserPtr;
@@ -121,8 +121,8 @@ static void coverage_filter(const struct RTCFilterFunctionNArguments *args)
     }
 }
 
-/* Between the i-th ray and what it hits. Both are in the mesh's coordinates, where their product is what it
- * is in the world, and their lengths are not. */
+/* Cosine between the i-th ray and the normal of what it hits. Embree gives both in the mesh's coordinates.
+ * Their dot product is the same there as in the world, but their lengths are not. */
 static float cosine(const struct RTCFilterFunctionNArguments *args, const struct rnd_scene *scene, unsigned i)
 {
     const size_t n = args->N;
@@ -155,7 +155,7 @@ static void clear_filter(const struct RTCFilterFunctionNArguments *args)
     for (unsigned i = 0; i < args->N; i++) args->valid[i] = 0;
 }
 
-/* Can a texture's coverage be less than whole? */
+/* Is the texture transparent anywhere? */
 static bool has_holes(const struct rnd_texture *texture, int channel)
 {
     const size_t count = (size_t)texture->level[0].width * (size_t)texture->level[0].height;
@@ -165,7 +165,7 @@ static bool has_holes(const struct rnd_texture *texture, int channel)
     return false;
 }
 
-/* The texture that a material's coverage comes from, or NULL where that is whole. */
+/* The texture that a material's coverage comes from, or NULL if the texture is opaque everywhere. */
 static const struct rnd_texture *coverage_texture(const struct rnd_scene *scene,
                                                   const struct rnd_material *material)
 {

@@ -157,8 +157,8 @@ RND_INLINE float rnd_mr_through(const struct rnd_mr *m, struct rnd_albedo a)
     return 1.0f - rnd_reflected(a, rnd_v3_max(m->f0), m->f90);
 }
 
-/* What depends on where light is followed to alone: Fresnel of the glossy lobe, metal and non-metal mixed and
- * the metal compensated, and the share of draws that go to it, which is its share of the albedo. */
+/* What depends on wo alone: the Fresnel terms of the glossy lobe (metal and non-metal mixed, the metal
+ * compensated), and the share of draws that go to the glossy lobe, which is its share of the albedo. */
 struct rnd_mr_view {
     struct rnd_v3 f0, f90;
     float through, share;

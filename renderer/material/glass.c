@@ -14,7 +14,7 @@ struct rnd_glass {
                 [COSINES]; /* from without, from inside; cosine's square root even from 0 to 1 */
 };
 
-/* Over count visible normals, at points of a lattice of the golden section. */
+/* Means over count visible normals, whose two numbers are the points of a golden-section lattice. */
 static float mean(float cosine, float alpha, float eta, int count)
 {
     const float o = fmaxf(cosine, RND_MIN_COSINE), ro = rnd_ggx_reach(o, alpha);

@@ -25,8 +25,8 @@ static inline float rnd_fresnel_dielectric(float cos_i, float eta, float *out_co
     return 0.5f * (parallel * parallel + perpendicular * perpendicular);
 }
 
-/* The same from f0 to specular instead of from Fresnel's own reflectance ahead to 1: how
- * KHR_materials_specular changes it. */
+/* The same, rescaled as KHR_materials_specular asks: from f0 at normal incidence to specular at grazing
+ * angles. */
 static inline float rnd_fresnel_scaled(float whole, float eta, float f0, float specular)
 {
     const float r = (eta - 1.0f) / (eta + 1.0f);
@@ -59,8 +59,8 @@ static inline float rnd_pane_reflects(const struct rnd_material *material, float
 
 /* --- clear glass --- */
 
-/* Rougher glass scatters so widely that its own drawn lights find what is behind it, and more of the light in
- * it comes out after further bounces than a straight way knows. */
+/* Rougher glass is not treated as clear. It scatters so widely that lights drawn at its own surface find what
+ * is behind it, and much of its light comes out after bounces that a straight line does not have. */
 #define RND_CLEAR_ROUGHNESS 0.25f
 
 static inline bool rnd_is_clear(const struct rnd_scene *scene, uint32_t mesh)
@@ -75,13 +75,13 @@ static inline bool rnd_is_clear(const struct rnd_scene *scene, uint32_t mesh)
 
 struct rnd_glass;
 
-/* Of glass of that index over the index of what it is in, seen from both sides, with any roughness between
- * these two: tables, by quadrature. NULL if memory is short. The caller frees. */
+/* Tables of glass, by quadrature: for an index relative to the medium around it, seen from both sides, and
+ * any roughness between these two. NULL if memory is short. The caller frees. */
 struct rnd_glass *rnd_glass_create(float ior, float least_roughness, float most_roughness);
-/* Was it made of these? */
+/* Was the table made for this index and these roughnesses? */
 bool rnd_glass_is(const struct rnd_glass *glass, float ior, float least_roughness, float most_roughness);
-/* Share of light that it returns and lets through, if white, in one bounce; by the cosine of the direction
- * that it is seen from, from inside or from without. */
+/* Share of light that white glass reflects and lets through in one bounce, by the cosine of the direction
+ * that it is seen from, from inside or from outside. */
 float rnd_glass_albedo(const struct rnd_glass *glass, float cosine, float alpha, bool inside);
 
 #endif

@@ -59,7 +59,7 @@ void rnd_material_set_kind(struct rnd_material *m)
                             use == RND_MAP_EMISSION || use == RND_MAP_COVERAGE;
         /* a normal map that is turned would need its tangents turned */
         if (use == RND_MAP_NORMAL && m->map[use].texture >= 0 && m->map[use].has_transform) rich = true;
-        if (use != RND_MAP_COVERAGE && !is_plain(&m->map[use])) rich = true; /* coverage is the filters' */
+        if (use != RND_MAP_COVERAGE && !is_plain(&m->map[use])) rich = true; /* the filters handle it */
         if (!common && m->map[use].texture >= 0) rich = true;
     }
     const bool lambert = m->specular == 0.0f && m->metallic == 0.0f &&
@@ -71,7 +71,7 @@ void rnd_material_set_kind(struct rnd_material *m)
 
 /* --- media --- */
 
-/* Which of the scene's indices of refraction. */
+/* The number of an index of refraction among the scene's. */
 static uint32_t index_of(const struct rnd_scene *scene, float ior)
 {
     uint32_t next = 0;

@@ -138,8 +138,8 @@ RND_INLINE float rnd_map_lod(const struct rnd_map *map, float lod)
     return lod + 0.5f * rnd_roughly_log2(rnd_larger(fabsf(m[0] * m[4] - m[1] * m[3]), 1e-12f));
 }
 
-/* Levels finer than the film asks for that textures are seen at by way of another surface: a coarse texel
- * there may mix in what no face shows, and its light goes on. */
+/* By how many levels textures are finer where a path meets them after another surface: a coarse texel may
+ * hold colours that no face shows, and its light would spread. */
 #define RND_INDIRECT_FINER 5.0f
 
 /* The mipmap level whose texels are half as large as a path's cone where it hits, or finer. size: log2 of

@@ -48,7 +48,8 @@ static bool evaluate(const struct rnd_sight *sight, const struct rnd_lobe_share 
         *out_pdf = p.p_reflect * 0.5f * d / (o + ro);
         f = rnd_v3_scale(p.reflected, more * 0.5f * d * i / (i * ro + o * ri));
     } else {
-        /* visible normals: 2 D co / (o + ro); the Jacobian is eqn 17 of Walter et al.; masking is separable */
+        /* h is a visible normal with pdf 2 D co / (o + ro); the Jacobian is eqn 17 of Walter et al.; masking
+         * is separable */
         const float bend = co + eta * ci,
                     visible = 2.0f * d * co / (o + ro) * -ci / (bend * bend) * eta * eta;
         *out_pdf = (1.0f - p.p_reflect) * visible;

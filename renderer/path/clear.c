@@ -56,7 +56,7 @@ struct rnd_v3 rnd_clear_transmittance(const struct rnd_scene *scene, rnd_media m
     struct rnd_v3 left = {1, 1, 1};
     struct RTCRayHit hit;
     struct rnd_closure closure;
-    float last = 0.0f, near = 0.0f; /* where the ray met the last surface, and where the next may be */
+    float last = 0.0f, near = 0.0f; /* where the ray met the last surface, and where it may meet the next */
     *out_any = false;
     for (int i = 0; next_surface(scene, origin, direction, near, distance, &hit); i++) {
         if (i == MOST_SURFACES || !(rnd_v3_max(left) > 0.0f)) return rnd_v3(0, 0, 0);

@@ -32,14 +32,14 @@ struct rnd_worker {
     struct rnd_tape *tape;
     bool played;
     double play_seconds;
-} __attribute__((aligned(64))); /* no line of the cache is two threads' */
+} __attribute__((aligned(64))); /* aligned to cache lines, so that no two threads share one */
 
 struct work {
     struct rnd_integrator *integrator;
     const struct rnd_aim *aim;
     uint64_t now_ns;
     uint32_t paths, part, waves, step; /* part: paths of a part of a wave */
-    _Atomic uint32_t next;             /* turn that no thread has taken yet */
+    _Atomic uint32_t next;             /* the next turn */
 };
 
 static uint64_t clock_ns(clockid_t clock)
@@ -92,7 +92,7 @@ static void trace_wave(struct rnd_integrator *integrator, struct rnd_worker *wor
     }
 }
 
-/* A part of a wave is done: add to the film the tiles of which it was the last. */
+/* A part of a wave is done. Add the tiles to the film whose last paths were in it. */
 static void finish_part(const struct work *work, struct rnd_worker *worker, uint32_t first, uint32_t end)
 {
     struct rnd_integrator *integrator = work->integrator;
@@ -109,9 +109,9 @@ static void finish_part(const struct work *work, struct rnd_worker *worker, uint
     worker->film_ns += now_ns() - start;
 }
 
-/* What is traced in turn k: from part *out_part on so many parts; 0: there is no such turn. The last waves go
- * by halves and then by quarters, so that threads end together. Waves are not taken in the order of the
- * tiles, so that what a stale aim leaves out is not always the lower half of the sphere. */
+/* The k-th turn: part *out_part of so many parts of a wave; 0: there is no such turn. The last waves are
+ * traced by halves and quarters, so that all threads end at about the same time. Waves are not taken in the
+ * order of the tiles: what is left out after the aim has become stale then lies all over the sphere. */
 static uint32_t parts_of(const struct work *work, uint32_t k, uint32_t *out_part)
 {
     const uint32_t whole = work->waves > LATE ? work->waves - LATE : 0, halved = whole + LATE / 2;
@@ -160,13 +160,13 @@ static uint32_t divisor(uint32_t a, uint32_t b)
 static void cut(struct work *work)
 {
     struct rnd_integrator *integrator = work->integrator;
-    /* Small batches have small waves, and a number of them that few threads or many can share. */
+    /* Small batches have small waves, in a number that few or many threads can share evenly. */
     const uint32_t most = work->paths < 32 * RND_WAVE ? RND_WAVE / 2 : RND_WAVE;
     work->waves = (work->paths + most - 1) / most;
     if (work->waves > 2) work->waves = (work->waves + 3) / 4 * 4;
     work->part = (work->paths + PARTS * work->waves - 1) / (PARTS * work->waves);
     work->waves = (work->paths + PARTS * work->part - 1) / (PARTS * work->part);
-    /* About the golden section of them apart, and all of them. */
+    /* A step of about the golden section that has no common divisor with the number of waves. */
     work->step = (uint32_t)(0.618 * work->waves) | 1u;
     while (divisor(work->step, work->waves) != 1) work->step++;
     for (uint32_t r = 0; r < integrator->places.runs; r++) {
@@ -177,7 +177,7 @@ static void cut(struct work *work)
 
 /* --- batches --- */
 
-/* Until the lights have been surveyed, which the first picture does not wait for. */
+/* Without the survey, which the first picture does not wait for. */
 static void choose_evenly(struct rnd_integrator *integrator)
 {
     const struct rnd_lights *lights = &integrator->scene->lights;
@@ -201,7 +201,7 @@ static void run(struct work *work, bool drawn, struct rnd_batch *out_batch)
     const uint64_t start = now_ns();
     *out_batch = (struct rnd_batch){0};
     if (work->paths == 0 || !rnd_places_reserve(&integrator->places, work->paths))
-        return; /* no memory: a batch without a path */
+        return; /* memory is short: a batch without paths */
     for (int i = 0; i < integrator->workers; i++) {
         struct rnd_worker *worker = &integrator->worker[i];
         worker->rays = worker->traced = worker->not_finite = worker->film_ns = worker->processor_ns = 0;

@@ -8,14 +8,14 @@
 
 #include <string.h>
 
-/* Sort the points into the groups' lists, and note for each its group and where in the list it is; what is
- * left of the first number chooses again within the group. */
+/* Sort the points into lists, one for each group, and note each point's group and its place in the list. What
+ * is left of the first random number chooses a light within the group. */
 static void choose_groups(struct rnd_tracer *tracer, uint32_t count, uint32_t number[RND_LIGHT_GROUPS],
                           uint32_t *restrict out_group, uint32_t *restrict out_rank)
 {
     const float *choose = tracer->choice->group;
-    /* Where each group begins in [0, 1), and one over its length. What has no length begins where no number
-     * is. */
+    /* Where each group begins in [0, 1), and one over the length that it has there. A group without length
+     * begins at 1, where no random number is. */
     float begin[RND_LIGHT_GROUPS], stretch[RND_LIGHT_GROUPS], sum = 0.0f;
     uint32_t first = RND_LIGHT_GROUPS;
     for (uint32_t g = 0; g < RND_LIGHT_GROUPS; g++) {
@@ -48,8 +48,8 @@ static void choose_groups(struct rnd_tracer *tracer, uint32_t count, uint32_t nu
     }
 }
 
-/* Draw emissive triangles for the points of a list, by their first two numbers. What one needs of memory is
- * asked for while others are at it: the table, and then the triangles. */
+/* Draw emissive triangles for the points of a list, by their first two numbers. Each table and triangle is
+ * prefetched while other points are worked on. */
 static void draw_areas(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count, uint32_t *out_area)
 {
     const struct rnd_lights *lights = &tracer->scene->lights;
@@ -69,7 +69,7 @@ static void draw_areas(struct rnd_tracer *tracer, const uint32_t *list, uint32_t
     }
 }
 
-/* The same of the environment: texels, and the factors on their density. */
+/* The same for the environment: draw texels, and the factors on their density. */
 static void draw_texels(struct rnd_tracer *tracer, const uint32_t *list, uint32_t count, uint32_t *out_texel,
                         float *out_factor)
 {
@@ -129,7 +129,7 @@ static void choose_sun(struct rnd_tracer *tracer, const uint32_t *list, uint32_t
     const uint32_t delta = !(sun->drop > 0.0f);
     const float pdf = tracer->choice->group[RND_LIGHT_SUN] * (delta ? 1.0f : rnd_sun_pdf(sun));
     const struct rnd_v3_frame frame = rnd_v3_frame(sun->direction);
-    const struct rnd_sun own = *sun; /* known not to change in the loop */
+    const struct rnd_sun own = *sun; /* a constant, so that the loop has no branch */
 #pragma GCC ivdep
     for (size_t k = 0; k < count; k++) {
         const uint32_t j = list[k];
@@ -204,7 +204,7 @@ static void choose_punctual(struct rnd_tracer *tracer, const uint32_t *list, uin
     }
 }
 
-/* From the order of the lists to that of the points. */
+/* Put what was drawn back into the order of the points. */
 static void arrange(struct rnd_tracer *tracer, uint32_t count, const uint32_t begin[RND_LIGHT_GROUPS],
                     const uint32_t *restrict group, const uint32_t *restrict rank)
 {
@@ -236,7 +236,7 @@ void ISA(rnd_choose_lights)(struct rnd_tracer *tracer, uint32_t count)
     };
     uint32_t number[RND_LIGHT_GROUPS], begin[RND_LIGHT_GROUPS], *group = tracer->scratch.lights.group,
                                                                 *rank = tracer->scratch.lights.rank;
-    if (!tracer->scene->lights.any) { /* only unlit surfaces, or emitters without coverage */
+    if (!tracer->scene->lights.any) { /* a scene of unlit surfaces, or of emitters without coverage */
         memset(tracer->lights.pdf, 0, count * sizeof *tracer->lights.pdf);
         return;
     }

@@ -31,11 +31,11 @@ struct crossing {
     uint32_t geometry, primitive, instance;
 };
 
-/* The first MOST_CROSSINGS borders that Embree finds on a ray, by distance; it may find near ones late. */
+/* The MOST_CROSSINGS nearest borders on a ray, by distance. Embree does not find them in order. */
 struct crossings {
-    struct rnd_query query; /* comes first: Embree knows nothing else */
+    struct rnd_query query; /* first member: Embree passes a pointer to it */
     const struct rnd_scene *scene;
-    bool of_camera; /* what is one-sided is not met from its back */
+    bool of_camera; /* borders that are one-sided are skipped where their back is met */
     uint32_t count;
     struct crossing crossing[MOST_CROSSINGS];
 };
@@ -66,7 +66,7 @@ static void note(const struct RTCFilterFunctionNArguments *args)
     to->count++;
 }
 
-/* By distance. The array is not cleared: this is called for every hit of a border. */
+/* Sort by distance. The array is not cleared, because this is called for every hit of a border. */
 static void find(const struct rnd_scene *scene, bool of_camera, struct rnd_v3 origin, struct rnd_v3 direction,
                  float distance, struct crossings *to)
 {
@@ -79,8 +79,8 @@ static void find(const struct rnd_scene *scene, bool of_camera, struct rnd_v3 or
 
 /* --- borders --- */
 
-/* The border between two media, for a ray that comes from those before. A ray that meets a back although its
- * path is not known to be in that medium is in it: the surface is right. */
+/* The border between two media, for a ray that comes from those before. A ray that meets the back of a
+ * surface comes out of its medium, even if its path is not known to be in it: the surface is believed. */
 static struct rnd_interface between(const struct rnd_scene *scene, rnd_media before, rnd_media behind,
                                     const struct rnd_surface *surface)
 {
@@ -104,14 +104,14 @@ rnd_media rnd_media_pass(const struct rnd_scene *scene, rnd_media media, const s
                          struct rnd_surface *surface)
 {
     const uint32_t own = surface->material->medium;
-    /* Search from just before the point, where rounding may have put borders that lie in it, to where the
-     * path goes on. */
+    /* Search from just before the point to where the path goes on: rounding may have moved borders that
+     * coincide with the point to either side of it. */
     const float before = border->off / 16.0f;
     struct crossings found;
     find(scene, false, rnd_v3_muladd(border->normal, before, border->at), rnd_v3_scale(border->normal, -1.0f),
          before + border->off, &found);
-    /* Leave media before entering any: in the order of the ray another one could be the innermost in between.
-     */
+    /* Leave media before entering any. In the order of the ray, another medium could be the innermost in
+     * between. */
     rnd_media behind = surface->front ? media : rnd_media_leave(media, own);
     for (int enters = 0; enters < 2; enters++) {
         if (enters && surface->front) behind = rnd_media_enter(behind, own);
@@ -135,7 +135,7 @@ rnd_media rnd_media_at(const struct rnd_scene *scene, const float position[3])
     if (!scene->border_tree) return 0;
     find(scene, true, rnd_v3(position[0], position[1], position[2]),
          rnd_v3_normalize(rnd_v3(0.1f, 1.0f, 0.17f)), INFINITY, &found);
-    /* A ray that leaves what it did not enter was in it from the beginning. */
+    /* A ray that leaves a medium which it did not enter has been in it from the beginning. */
     for (uint32_t i = 0; i < found.count; i++) {
         const struct crossing *c = &found.crossing[i];
         if (c->enters)

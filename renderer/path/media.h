@@ -31,7 +31,7 @@ static inline rnd_media rnd_media_enter(rnd_media media, uint32_t medium)
     return media << 16 | medium;
 }
 
-/* Leave a medium; if the point was not known to be in it, the innermost. */
+/* Leave a medium, or the innermost one if the point was not known to be in it. */
 static inline rnd_media rnd_media_leave(rnd_media media, uint32_t medium)
 {
     for (int shift = 0; shift < 64; shift += 16)
@@ -40,23 +40,25 @@ static inline rnd_media rnd_media_leave(rnd_media media, uint32_t medium)
     return media >> 16;
 }
 
-/* Factor of light that comes a way of that length, m, through the innermost of the media: it absorbs (Beer
- * and Lambert). From infinity, where there is air, light comes into the medium instead: radiance grows by the
- * square of the index. */
+/* Factor of light that goes that length, m, through the innermost of the media, which absorbs (Beer and
+ * Lambert). Light from infinity comes from air into the medium, where radiance is larger by the square of the
+ * index. */
 struct rnd_v3 rnd_media_transmittance(const struct rnd_scene *scene, rnd_media media, float distance);
 
-/* Of a point that a ray hit: the media that were known on the ray's way to it. */
+/* A point that a ray hit, and the media that the ray was known to be in. */
 struct rnd_border {
     struct rnd_v3 at, normal;               /* world; unit, facing where the ray came from */
-    float off;                              /* how far behind the point a path goes on that passes it, m */
+    float off;                              /* how far behind the point paths that pass it go on, m */
     uint32_t geometry, primitive, instance; /* Embree's */
 };
 
-/* Media behind such a point, on a surface with a volume; and into the surface what its border is between. */
+/* The media behind such a point on a surface with a volume. Also stores in the surface which media the border
+ * is between. */
 rnd_media rnd_media_pass(const struct rnd_scene *scene, rnd_media media, const struct rnd_border *border,
                          struct rnd_surface *surface);
 
-/* The media that a camera at that position is in. One-sided borders do not exist for a camera behind them. */
+/* The media that a camera at that position is in. One-sided borders whose back faces the camera do not count.
+ */
 rnd_media rnd_media_at(const struct rnd_scene *scene, const float position[3]);
 
 #endif

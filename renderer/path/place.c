@@ -32,7 +32,7 @@ RND_INLINE uint32_t pixel_index(uint32_t across, uint32_t x, uint32_t y)
 
 enum { SOME = 256 }; /* positions at a time */
 
-/* Of count directions, SOME at most. */
+/* The places of count directions, at most SOME. */
 static void pixels_of(const struct rnd_film *film, uint32_t count, const float *direction,
                       uint32_t *out_pixel)
 {
@@ -54,8 +54,8 @@ static void pixels_of(const struct rnd_film *film, uint32_t count, const float *
     memcpy(out_pixel, pixel, count * sizeof *pixel);
 }
 
-/* How many cells along a side: so many, a power of two, that where samples are densest, at the gaze, a cell
- * has a pixel for each of its paths. More would trace many paths in few places. */
+/* How many cells along a side, a power of two. Where samples are densest, at the gaze, a cell then has about
+ * one pixel for each of its paths. With more cells, many paths would fall in few pixels. */
 static float grid_of(const struct rnd_places *places, const struct rnd_aim *aim)
 {
     const float pixel = 2.0f * (float)M_PI / (float)places->film->width;
@@ -73,7 +73,7 @@ static void corner_of(const struct rnd_places *places, uint32_t cell, float out[
     for (int c = 0; c < 2; c++) out[c] = floorf(u[c] * places->grid) / places->grid;
 }
 
-/* Positions of the paths of the next cells, first to end of them, paths in all. */
+/* Positions for cells first to end of those that are next; paths is the number of paths in all. */
 static void draw(struct rnd_places *places, const struct rnd_aim *aim, uint32_t first, uint32_t end,
                  uint32_t paths)
 {
@@ -112,8 +112,8 @@ static void outline(struct rnd_places *places, uint32_t paths)
     }
 }
 
-/* Counting sort by tile, paths of a tile in the order in which they were drawn; runs of those that have some.
- */
+/* Counting sort by tile. Paths of a tile stay in the order in which they were drawn. Makes a run for each
+ * tile that has paths. */
 static void sort(struct rnd_places *places, uint32_t paths)
 {
     const uint32_t tiles = (uint32_t)(places->film->across * places->film->down);

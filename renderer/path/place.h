@@ -19,13 +19,13 @@ struct rnd_places {
     uint32_t seed;
     uint32_t next_cell; /* cells of positions drawn so far */
 
-    /* of the batch under way */
+    /* number of paths in the batch under way */
     uint32_t capacity;         /* of the arrays below, paths */
     float grid;                /* cells of positions along a side of the unit square */
-    uint32_t *pixel;           /* of paths as drawn: tile * RND_TILE_PIXELS + pixel within it */
-    struct rnd_sample *sample; /* of paths by tile, first drawn first */
-    float *planes;             /* values of the film's planes, of each of them; NULL: it has none */
-    uint32_t *run_of;          /* which run each of them is in */
+    uint32_t *pixel;           /* of each path, as drawn: tile * RND_TILE_PIXELS + pixel within it */
+    struct rnd_sample *sample; /* paths sorted by tile, first drawn first */
+    float *planes;             /* of each path, values of the film's planes; NULL: it has none */
+    uint32_t *run_of;          /* of each path, which run it belongs to */
     struct rnd_run *run;       /* tiles of them at most */
     uint32_t runs;
     uint32_t *start; /* where each tile's paths begin; tiles + 1 */
@@ -42,7 +42,7 @@ bool rnd_places_reserve(struct rnd_places *places, uint32_t paths);
  * room. */
 void rnd_places_draw(struct rnd_places *places, struct rnd_pool *pool, const struct rnd_aim *aim,
                      uint32_t paths);
-/* The same for one path in each cell of the outline, of which there are so many. */
+/* The same, with one path in each of the cells of the first coarse picture, of which there are so many. */
 uint32_t rnd_places_of_outline(const struct rnd_film *film);
 void rnd_places_outline(struct rnd_places *places, uint32_t paths);
 

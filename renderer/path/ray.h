@@ -6,7 +6,7 @@
 #include "math/v3.h"
 #include "scene/embree.h"
 
-/* From near to far, in lengths of the direction; it has hit nothing yet. */
+/* A ray that has hit nothing yet; near and far are in lengths of the direction. */
 static inline struct RTCRayHit rnd_ray(struct rnd_v3 origin, struct rnd_v3 direction, float near, float far)
 {
     return (struct RTCRayHit){

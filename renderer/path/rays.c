@@ -32,7 +32,7 @@ void rnd_intersect(struct rnd_tracer *tracer, struct rnd_paths *paths, uint32_t 
 /* --- backs --- */
 
 struct camera_context {
-    struct rnd_query query; /* comes first: Embree knows nothing else */
+    struct rnd_query query; /* first member: Embree passes a pointer to it */
     const struct rnd_scene *scene;
 };
 
@@ -44,8 +44,8 @@ static const struct rnd_material *material_of(const struct rnd_scene *scene, uin
     return &scene->material[scene->mesh[mesh].material];
 }
 
-/* A single ray passes the backs of what is one-sided. It and the normal are both in the mesh's coordinates.
- */
+/* Let a single ray pass the backs of one-sided surfaces. The ray and the normal are both in the mesh's
+ * coordinates. */
 static void pass_backs(const struct RTCFilterFunctionNArguments *args)
 {
     const struct camera_context *context = (const struct camera_context *)args->context;

@@ -1,25 +1,24 @@
-/* What surfaces do with light: the second half of next-event estimation, and the directions in which paths
- * go on.
+/* What surfaces do with light: the second half of next-event estimation, and the directions in which paths go
+ * on.
  *
- * Vector instructions serve diffuse and metallic-roughness surfaces. material/closure.h serves all others,
- * one point at a time.
- */
+ * Diffuse and metallic-roughness surfaces are done here, many at a time, by vector instructions.
+ * material/closure.h does all others, one point at a time. */
 #include "path/scatter.h"
 #include "material/ggx.h"
 #include "material/closure.h"
 #include "material/glass.h"
 #include "light/light.h"
 
-/* Bounces before Russian roulette begins. From then on a path goes on as often as the square root of what is
- * left of it: more paths that are shorter are as good in the same time. Of it behind the first surface, that
- * is: an eye judges dark surfaces by their own brightness, so their paths end no sooner than those of bright
- * ones. */
+/* Bounces before Russian roulette begins. From then on a path survives with a probability that is the square
+ * root of its throughput: more and shorter paths give as little noise in the same time. Only the throughput
+ * behind the first surface counts. An eye judges dark surfaces by their own brightness, so their paths must
+ * not end sooner than those of bright ones. */
 enum { SURE_BOUNCES = 1 };
 
 /* --- light that arrives --- */
 
-/* What a chosen light contributes if it is not hidden, from what of it the surface scatters (times cosine),
- * and the density with which the surface would have drawn its direction; 0 if that is nothing. */
+/* What the chosen light contributes if it is not hidden. f is the BSDF times cosine, pdf the density with
+ * which the surface would have drawn the light's direction. 0 if no light was chosen. */
 RND_INLINE struct rnd_v3 contribution(struct rnd_tracer *tracer, size_t j, struct rnd_v3 f, float pdf)
 {
     const struct rnd_light_choices *lights = &tracer->lights;
@@ -70,8 +69,8 @@ RND_INLINE struct rnd_mr metal_rough_at(const struct rnd_surfaces *s, size_t j)
                   s->f90[j]);
 }
 
-/* A point where part of the glossy lobe is below the triangle and is folded onto the light's direction or the
- * drawn one. */
+/* For a point where part of the glossy lobe is below the triangle, and is folded onto the light's direction
+ * or onto the drawn one. */
 static void folded(struct rnd_tracer *tracer, size_t j)
 {
     const struct rnd_surfaces *s = &tracer->surfaces;
@@ -94,7 +93,8 @@ static void folded(struct rnd_tracer *tracer, size_t j)
     to->pdf[j] = pdf > 0.0f ? pdf : -1.0f;
 }
 
-/* Both halves at once: they share what takes most of the work. */
+/* Light that arrives, and where paths go on, in one loop: both need the same terms, which take most of the
+ * work. */
 static void metal_rough(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
 {
     const struct rnd_surfaces *s = &tracer->surfaces;
@@ -117,8 +117,7 @@ static void metal_rough(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
         const struct rnd_v3 wi = rnd_v3_to_world(&frame, local);
         const float height = rnd_v3_dot(light, geometric), lit = height > 0.0f ? 1.0f : 0.0f,
                     above = rnd_v3_dot(wi, geometric), twice = 2.0f * rnd_v3_dot(frame.z, geometric);
-        /* the direction mirrored about the triangle is above the shading normal's plane: folding adds to it
-         */
+        /* folding adds to this direction if its mirror image is above the shading normal's plane */
         folds[j] = ((height > 0.0f) & (local_light.z > twice * height)) |
                    ((pdf > 0.0f) & ((above <= 0.0f) | (local.z > twice * above)));
         any |= folds[j];
@@ -133,16 +132,16 @@ static void metal_rough(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
 
 /* --- clear glass ---
  *
- * Where glass is clear, lights that a surface draws reach it straight through glass. What paths from there
- * would find behind the glass by chance is then left out: a path that only passes glass after the surface
- * stands for light that was drawn. Reflections on glass are no part of that, so they are found as ever; and
- * glass itself draws no light through other glass. */
+ * Where glass is clear, a surface draws lights through glass. A path that leaves the surface and then only
+ * passes glass could find the same light by chance. That light is left out, because it has been counted.
+ * Reflections on glass are not drawn that way, so paths go on finding them by chance. Glass itself draws no
+ * light through other glass. */
 
-/* A density so small that MIS gives no weight to a light that could have been drawn, and full weight to one
- * that could not. */
+/* A density so small that MIS gives no weight to a light that could have been drawn. A light that could not
+ * have been drawn keeps its full weight. */
 #define LEFT_OUT 1e-37f
 
-/* Has the surface that the path came from already drawn such light through the glass at point j? */
+/* Has the surface that the path came from already drawn the light of point j through this glass? */
 static bool is_drawn_before(const struct rnd_tracer *tracer, uint32_t j)
 {
     return tracer->scene->clear_tree && tracer->paths[1].stood_for[j] &&
@@ -150,7 +149,7 @@ static bool is_drawn_before(const struct rnd_tracer *tracer, uint32_t j)
            rnd_v3_dot(rnd_get(&tracer->lights.direction, j), rnd_get(&tracer->surfaces.geometric, j)) < 0.0f;
 }
 
-/* What the paths of points begin to end stand for, by their new directions. */
+/* Note for points begin to end whether light that their paths find next has been drawn already. */
 static void stand_for(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
 {
     struct rnd_scatters *way = &tracer->scatters;

@@ -7,8 +7,8 @@
 
 /* --- order --- */
 
-/* Put hit k = order[j] of paths 0 at place j of paths 1 and of the surfaces, its origin moved to where it
- * hit. */
+/* Put hit k = order[j] of paths 0 at place j of paths 1 and of the surfaces, and move the path's origin to
+ * the point that was hit. */
 static void gather(struct rnd_tracer *tracer, const uint32_t *order, uint32_t count)
 {
     const struct rnd_paths *from = &tracer->paths[0];
@@ -63,7 +63,7 @@ static void gather(struct rnd_tracer *tracer, const uint32_t *order, uint32_t co
 
 /* --- geometry --- */
 
-/* Unit normals that face where the ray came from, the shading normal by interpolation. */
+/* Unit normals on the side that the ray came from. The shading normal is interpolated. */
 static void face(struct rnd_tracer *tracer, uint32_t count)
 {
     const struct rnd_record *records = tracer->scene->record;
@@ -88,7 +88,8 @@ static void face(struct rnd_tracer *tracer, uint32_t count)
     }
 }
 
-/* Through an instance, normals were in the mesh's own coordinates, and textures are seen at its own metres. */
+/* For hits on instances: bring normals from the mesh's coordinates to the world, and footprints from metres
+ * in the world to metres of the mesh. */
 static void face_instances(struct rnd_tracer *tracer, uint32_t count)
 {
     const struct rnd_scene *scene = tracer->scene;
@@ -109,7 +110,7 @@ static void face_instances(struct rnd_tracer *tracer, uint32_t count)
     }
 }
 
-/* A point's normals as face() left them. */
+/* The normals of a point, as face() stored them. */
 static struct rnd_facing facing_at(const struct rnd_tracer *tracer, uint32_t j)
 {
     const struct rnd_surfaces *s = &tracer->surfaces;
@@ -119,7 +120,7 @@ static struct rnd_facing facing_at(const struct rnd_tracer *tracer, uint32_t j)
 
 /* --- materials --- */
 
-/* Levels finer that textures are looked up at in this step. */
+/* By how many levels textures are finer in this step than the path's cone asks for. */
 static float finer(const struct rnd_tracer *tracer)
 {
     return tracer->depth > 0 ? RND_INDIRECT_FINER : 0.0f;
@@ -137,8 +138,8 @@ static void note(struct rnd_tracer *tracer, const struct rnd_map *map, uint32_t 
     tracer->look_level[k] = rnd_map_lod(map, record->lod) + texture->log2_size;
 }
 
-/* Choose the texels of all looks by the paths' cones, each with its own random neighbour of four. They are
- * asked of memory now, and read later. */
+/* Choose the texels of all lookups by the paths' cones, each with its own random neighbour of four. Texels
+ * are prefetched here, and read later. */
 static void ask(struct rnd_tracer *tracer, uint32_t looks)
 {
     const struct rnd_paths *paths = &tracer->paths[1];
@@ -258,7 +259,7 @@ static void pass_border(struct rnd_tracer *tracer, uint32_t j, struct rnd_surfac
     s->behind[j] = rnd_media_pass(tracer->scene, tracer->paths[1].media[j], &border, surface);
 }
 
-/* All of a point at once. What is unlit shines by itself. */
+/* All of a rich material's point at once. A surface that is unlit emits its base colour. */
 static void rich_points(struct rnd_tracer *tracer, uint32_t begin, uint32_t end)
 {
     const struct rnd_scene *scene = tracer->scene;
@@ -323,7 +324,7 @@ uint32_t ISA(rnd_surface)(struct rnd_tracer *tracer, uint32_t count)
     gather(tracer, order, hit);
     face(tracer, hit);
     if (scene->instance_count > 0) face_instances(tracer, hit);
-    if (!rnd_is_last(tracer)) { /* there paths end, and what surfaces reflect is not asked any more */
+    if (!rnd_is_last(tracer)) { /* paths end there, so what their surfaces reflect is not needed */
         base_colours(tracer, 0, s->end[RND_METAL_ROUGH]);
         reflectances(tracer, s->end[RND_DIFFUSE], s->end[RND_METAL_ROUGH]);
         bend_normals(tracer, s->end[RND_DIFFUSE], s->end[RND_METAL_ROUGH]);

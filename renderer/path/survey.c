@@ -1,12 +1,12 @@
-/* The survey: before the first batch, some thousand paths find how much light each group of lights, each
- * region of the environment and each part of the emitters really gives around the camera.
+/* The survey: before the first batch, a few thousand paths measure how much light each group of lights, each
+ * region of the environment and each part of the emitters gives around the camera.
  *
- * A shading point asks one group for light. The noise is least if each group is asked in proportion to the
- * root mean square of what it gives (Veach 1997, section 9.2). That is not its power: most of a sky is
- * hidden from a room. The same holds for the regions of the environment, which a room sees through its
+ * A shading point asks one group for light. Noise is least if each group is asked in proportion to the root
+ * mean square of what it gives (Veach 1997, section 9.2). That differs from the group's power: most of a sky
+ * is hidden from a room. The same holds for regions of the environment, which a room sees through its
  * windows, and for the emitters of a house, most of which are in other rooms. The paths of the survey start
- * at the camera and ask all groups at every point. What they find changes the noise, and never the mean.
- */
+ * at the camera and ask all groups at every point. The survey changes the noise of the picture, and never its
+ * mean. */
 #include "path/survey.h"
 #include "path/clear.h"
 #include "light/env.h"
@@ -20,8 +20,9 @@
 
 enum { PATHS = 4096, BOUNCES = 3, SEED = 0x5eed };
 
-/* No group is asked less often than this share of an even choice, no region than this share of the choice by
- * weight, and no emitter than this share of that by power: the survey may have missed a place. */
+/* The survey may have missed a place. So a group is asked at least this share as often as if all groups were
+ * asked equally, a region at least this share as often as by its weight, and an emitter at least this share
+ * as often as by its power. */
 #define LEAST_OF_GROUP   0.2f
 #define LEAST_OF_REGION  0.1f
 #define LEAST_OF_EMITTER 0.2f
@@ -29,9 +30,9 @@ enum { PATHS = 4096, BOUNCES = 3, SEED = 0x5eed };
 /* What a path found at a step. */
 struct step {
     float given[RND_LIGHT_GROUPS];    /* luminance that each group gave when asked */
-    uint32_t asked[RND_LIGHT_GROUPS]; /* which part of it, or region, was drawn */
-    /* Of what would come from the environment if it were white: from the region that was asked, and from the
-     * one that the path then left into; estimates of the same, weighted to be one. */
+    uint32_t asked[RND_LIGHT_GROUPS]; /* part of the group, or region, that was drawn */
+    /* Two estimates of the light that the environment would give if it were white: from the region that was
+     * asked, and from the region that the path escaped to. MIS weights them so that their sum is unbiased. */
     uint32_t left;
     float arrived, escaped;
 };
@@ -39,8 +40,8 @@ struct step {
 struct survey {
     const struct rnd_scene *scene;
     const struct rnd_camera *camera;
-    struct rnd_light_choice choice;   /* by which they are asked */
-    struct step step[PATHS][BOUNCES]; /* summed in their order, by one */
+    struct rnd_light_choice choice;   /* how often groups and their lights are asked */
+    struct step step[PATHS][BOUNCES]; /* one thread sums them in this order */
 };
 
 static struct RTCRayHit ray(vec3s origin, vec3s direction, float far)
@@ -49,7 +50,8 @@ static struct RTCRayHit ray(vec3s origin, vec3s direction, float far)
                    far);
 }
 
-/* Share of the light along a shadow ray that comes through glass to a surface; none to one that is glass. */
+/* Share of the light along a shadow ray that reaches a surface through clear glass. Surfaces of glass get
+ * none through other glass. */
 static float through_glass(const struct rnd_scene *scene, const struct rnd_surface *surface,
                            const struct RTCRay *shadow)
 {
@@ -68,7 +70,7 @@ struct vertex {
     struct rnd_closure closure;
 };
 
-/* Where a ray in that direction begins. */
+/* Where a ray that leaves the point in that direction begins. */
 static vec3s leave_surface(const struct vertex *at, vec3s direction)
 {
     const struct rnd_v3 p = rnd_to_v3(at->surface.position),
@@ -77,8 +79,8 @@ static vec3s leave_surface(const struct vertex *at, vec3s direction)
     return rnd_from_v3(rnd_v3_add(p, step));
 }
 
-/* Luminance that a group gives to a point if it is asked, weighted as the integrator weights it (roughly,
- * where glass is clear). *out_light is what was drawn, if it gives anything. */
+/* Luminance that a group gives to a point if it is asked, with the integrator's MIS weights. (Where glass is
+ * clear the weights are approximate.) *out_light is the light that was drawn, if it gives anything. */
 static float ask(const struct survey *survey, int group, const struct vertex *at, const float u[4],
                  struct rnd_light_sample *out_light)
 {
@@ -94,7 +96,7 @@ static float ask(const struct survey *survey, int group, const struct vertex *at
     if (!(given > 0.0f)) return 0.0f;
     const vec3s from = leave_surface(at, to);
     struct RTCRay shadow = ray(from, to, INFINITY).ray;
-    if (light->distance < INFINITY) { /* to the very place on it, as shadows go in the integrator */
+    if (light->distance < INFINITY) { /* to the drawn point of the light, as in the integrator */
         const vec3s rest = glms_vec3_sub(glms_vec3_muladds(to, light->distance, p), from);
         shadow = ray(from, glms_vec3_normalize(rest), glms_vec3_norm(rest) * (1.0f - 1e-4f)).ray;
     }
@@ -102,7 +104,8 @@ static float ask(const struct survey *survey, int group, const struct vertex *at
     return scene->clear_tree ? given * through_glass(scene, &at->surface, &shadow) : given;
 }
 
-/* A path left along a direction that was drawn with density pdf (0: the only one), with that throughput. */
+/* The path escaped along a direction that was drawn with density pdf; 0: it was the only possible direction.
+ */
 static void leave(const struct rnd_env *env, vec3s direction, float pdf, float throughput, struct step *step)
 {
     float other;
@@ -110,7 +113,7 @@ static void leave(const struct rnd_env *env, vec3s direction, float pdf, float t
     step->escaped = throughput * (pdf > 0.0f ? rnd_power_heuristic(pdf, other) : 1.0f);
 }
 
-/* The point that a ray hit, at the finest level of its textures. */
+/* The surface that a ray hit, with its textures at their finest level. */
 static void meet(const struct rnd_scene *scene, const struct RTCRayHit *hit, uint32_t seed,
                  struct vertex *out)
 {
@@ -181,7 +184,8 @@ static double angle_of(const struct rnd_env *env, const struct rnd_env_region *r
     return 2.0 * M_PI * r->width / env->width * (cos(down * r->y) - cos(down * (r->y + rows)));
 }
 
-/* Mean of what a region and its eight neighbours give for each steradian: so few paths know no more. */
+/* Mean over a region and its eight neighbours of what they give per steradian. So few paths know too little
+ * of a single region. */
 static double around(const double sum[RND_ENV_REGIONS], const double angle[RND_ENV_REGIONS], int number)
 {
     const int column = number % RND_ENV_COLUMNS, row = number / RND_ENV_COLUMNS;
@@ -195,7 +199,7 @@ static double around(const double sum[RND_ENV_REGIONS], const double angle[RND_E
     return seen > 0.0 ? given / seen : 0.0;
 }
 
-/* Regions by their weight, times the root of how much of it arrives. */
+/* Choose regions by their weight times the square root of the share of their light that arrives. */
 static void choose_regions(const struct survey *survey, struct rnd_env_choice *out)
 {
     const struct rnd_env *env = survey->scene->lights.env;
@@ -216,8 +220,8 @@ static void choose_regions(const struct survey *survey, struct rnd_env_choice *o
     if (!rnd_env_choose(env, probability, out)) *out = env->by_weight;
 }
 
-/* Emitters by power, times the root mean square of what those of their part gave over that power.
- * out_factor is for each part how much more often it is drawn than by power. */
+/* Choose emitters by their power times the root mean square of what emitters of their part gave per power.
+ * out_factor: for each part, how many times more often it is drawn than by power. */
 static void choose_emitters(const struct survey *survey, int group, struct rnd_light_choice *out,
                             float out_factor[RND_LIGHT_PARTS])
 {
@@ -244,13 +248,13 @@ static void choose_emitters(const struct survey *survey, int group, struct rnd_l
         rnd_alias_finish(&out->own[group]);
         out->own[group] = own;
         out->emitters[group] = &out->own[group];
-    } else { /* memory is short: as before */
+    } else { /* memory is short: keep the choice by power */
         for (int i = 0; i < RND_LIGHT_PARTS; i++) out_factor[i] = 1.0f;
     }
     free(probability);
 }
 
-/* factor: for each part of a group, how much more often it is drawn than the survey drew it. */
+/* factor: for each part of a group, how many times more often it is drawn than the survey drew it. */
 static void choose_groups(const struct survey *survey, const float *factor[RND_LIGHT_GROUPS],
                           struct rnd_light_choice *out)
 {
@@ -263,7 +267,7 @@ static void choose_groups(const struct survey *survey, const float *factor[RND_L
             for (int k = 0; k < BOUNCES; k++) {
                 const struct step *step = &survey->step[i][k];
                 const double square = (double)step->given[g] * (double)step->given[g];
-                /* drawn more often, a part gives less each time */
+                /* a part that is drawn more often gives less each time */
                 path += factor[g] && square > 0.0 ? square / (double)factor[g][step->asked[g]] : square;
             }
             root[g] += path;

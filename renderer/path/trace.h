@@ -2,9 +2,9 @@
  * roulette.
  *
  * Paths are traced in waves. All paths of a wave take a step together, so that their rays go to Embree in
- * packets and streams, and vector instructions do the rest. A path's contribution depends on its wave, because
- * Embree's kernels round differently for packets and single rays. The same waves give the same picture.
- */
+ * packets and streams, and vector instructions do the rest. A path's contribution depends on its wave,
+ * because Embree's kernels round differently for packets and single rays. The same waves give the same
+ * picture. */
 #ifndef FOVEAD_RENDERER_TRACE_H
 #define FOVEAD_RENDERER_TRACE_H
 

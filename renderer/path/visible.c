@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-/* Point j as a surface. Those of rich materials are there already. */
+/* Point j as a surface. Points of rich materials have one already. */
 static struct rnd_surface surface_of(const struct rnd_tracer *tracer, uint32_t j)
 {
     const struct rnd_surfaces *s = &tracer->surfaces;
@@ -27,7 +27,7 @@ void rnd_visible(struct rnd_tracer *tracer, uint32_t paths, uint32_t hits)
     const struct rnd_surfaces *s = &tracer->surfaces;
     const size_t channels = (size_t)planes->channels;
     float *values = tracer->io->plane_values;
-    memset(values, 0, paths * channels * sizeof *values); /* of those that hit nothing */
+    memset(values, 0, paths * channels * sizeof *values); /* for paths that hit nothing */
     for (uint32_t j = 0; j < hits; j++) {
         const struct rnd_surface surface = surface_of(tracer, j);
         /* the tree numbers meshes first, and then instances */

@@ -43,11 +43,11 @@ struct rnd_paths {
     /* With which the direction was drawn, per steradian; 0: a single direction, which next-event estimation
      * could not have found. */
     rnd_floats pdf;
-    /* Of the cone that the path stands for, m: the film's pixels open it, and no bounce widens it. Mipmaps as
-     * coarse as that would mix what no face shows into the light of a room. */
+    /* Width of the cone that the path stands for, m. The film's pixels open the cone, and no bounce widens
+     * it: at mipmaps that coarse, texels that no face shows would light a room. */
     rnd_floats width;
-    rnd_words seed, index; /* address of its random numbers */
-    rnd_words id;          /* which of the wave's answers is its */
+    rnd_words seed, index; /* identifies the path's random numbers */
+    rnd_words id;          /* index of the wave's answer that the path adds to */
     /* In scenes with clear glass: 1 while the path has only passed clear glass since a surface that drew a
      * light through it, so that light found now is counted already; else 0. */
     rnd_words stood_for;
@@ -128,7 +128,7 @@ union rnd_scratch {
         rnd_words corner[3]; /* normals at the triangle's corners, as records have them */
     } surface;
     struct {
-        rnd_words surface;          /* in use meanwhile: order */
+        rnd_words surface;          /* room of surface.order, which is still in use */
         rnd_words near, in, region; /* texels of the environment map: looked up, met; the latter's region */
     } sky;
     struct {

@@ -8,8 +8,8 @@
 
 /* --- environment ---
  *
- * First a region is drawn, then a texel in it by its weight: luminance times solid angle. Regions are drawn by
- * the weight of their texels, or by the share of it that is known to arrive (path/survey.c). */
+ * First a region is drawn, then a texel in it by its weight: luminance times solid angle. Regions are drawn
+ * by the weight of their texels, or by the share of that weight which is known to arrive (path/survey.c). */
 
 enum { RND_ENV_COLUMNS = 32, RND_ENV_ROWS = 16, RND_ENV_REGIONS = RND_ENV_COLUMNS * RND_ENV_ROWS };
 
