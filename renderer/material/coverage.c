@@ -7,6 +7,8 @@
  */
 #include "material/coverage.h"
 #include "material/glass.h"
+#include "material/shading.h"
+#include "material/surface.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -30,10 +32,9 @@ static float coverage(const struct rnd_alpha *alpha, uint32_t triangle, float u,
 {
     const uint32_t *index = alpha->mesh->index[triangle];
     const struct rnd_map *map = coverage_map(alpha->material);
-    const float *uv = alpha->mesh->uv[map->uv_set];
     float value = alpha->material->alpha;
     if (alpha->mesh->colour) value *= rnd_interpolate(alpha->mesh->colour, 4, 3, index, u, v);
-    if (!alpha->texture || !uv) return value;
+    if (!alpha->texture) return value;
 
     float place[2];
     rnd_map_uv(map, alpha->mesh, index, u, v, place);
@@ -134,7 +135,7 @@ static float cosine(const struct RTCFilterFunctionNArguments *args, const struct
     if (instance != RTC_INVALID_GEOMETRY_ID) {
         const struct rnd_instance *seen = &scene->instance[instance - scene->mesh_count];
         direction = rnd_instance_direction(seen, direction);
-        normal = rnd_instance_normal(seen, normal);
+        normal = rnd_from_v3(rnd_normal_to_world(seen, rnd_to_v3(normal)));
     }
     return product / (glms_vec3_norm(direction) * glms_vec3_norm(normal));
 }

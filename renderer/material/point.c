@@ -38,17 +38,18 @@ static struct rnd_uv_frame uv_frame(const struct place *at, const float uv[3][2]
     return rnd_uv_frame(uv, rnd_v3_sub(p[1], p[0]), rnd_v3_sub(p[2], p[0]));
 }
 
-/* In the set of texture coordinates that a map has. */
+/* In the set of texture coordinates that a map has; a mesh without that set has (0, 0) everywhere. */
 static struct corners corners_of(const struct place *at, const struct rnd_map *map)
 {
     const uint32_t *index = at->mesh->index[at->point->triangle];
     const float *uv = at->mesh->uv[1];
-    struct corners out;
+    struct corners out = {.lod = RND_NO_EXTENT};
     if (map->uv_set == 0) {
         memcpy(out.uv, at->record->uv, sizeof out.uv);
         out.lod = at->record->lod;
         return out;
     }
+    if (!uv) return out;
     for (int k = 0; k < 3; k++) memcpy(out.uv[k], uv + 2 * (size_t)index[k], sizeof out.uv[k]);
     out.lod = uv_frame(at, (const float(*)[2])out.uv).lod;
     return out;
@@ -69,16 +70,11 @@ static struct rnd_tangent tangent_of(const struct place *at, const struct rnd_ma
 
 /* --- maps --- */
 
-static bool has_map(const struct place *at, const struct rnd_map *map)
-{
-    return map->texture >= 0 && at->mesh->uv[map->uv_set];
-}
-
 /* The texture of a map at the point; white if the factor stands alone. */
 static struct rnd_texel look(const struct place *at, enum rnd_map_use use)
 {
     const struct rnd_map *map = &at->material->map[use];
-    if (!has_map(at, map)) return (struct rnd_texel){1.0f, 1.0f, 1.0f, 1.0f};
+    if (map->texture < 0) return (struct rnd_texel){1.0f, 1.0f, 1.0f, 1.0f};
     const struct rnd_texture *texture = &at->scene->texture[map->texture];
     const struct corners corners = corners_of(at, map);
     const float cosine = fabsf(rnd_v3_dot(at->facing->direction, at->facing->shading)),
@@ -99,7 +95,7 @@ static vec3s map_rgb(const struct place *at, enum rnd_map_use use)
 static vec3s map_normal(const struct place *at, enum rnd_map_use use, float scale)
 {
     const struct rnd_map *map = &at->material->map[use];
-    if (!has_map(at, map)) return rnd_from_v3(at->facing->shading);
+    if (map->texture < 0) return rnd_from_v3(at->facing->shading);
     struct rnd_tangent tangent = tangent_of(at, map);
     if (at->point->instance) tangent = rnd_tangent_to_world(at->point->instance, tangent);
     return rnd_from_v3(rnd_bend_normal(at->facing, tangent, scale, look(at, use)));

@@ -221,13 +221,6 @@ static inline vec3s rnd_instance_point(const struct rnd_instance *instance, vec3
     return glms_vec3_add(rnd_instance_direction(instance, p), (vec3s){{m[9], m[10], m[11]}});
 }
 
-static inline vec3s rnd_instance_normal(const struct rnd_instance *instance, vec3s n)
-{
-    const float *m = instance->normal_to_world;
-    return (vec3s){{m[0] * n.x + m[3] * n.y + m[6] * n.z, m[1] * n.x + m[4] * n.y + m[7] * n.z,
-                    m[2] * n.x + m[5] * n.y + m[8] * n.z}};
-}
-
 static inline vec3s rnd_vertex(const struct rnd_mesh *mesh, uint32_t i)
 {
     return rnd_vec(mesh->position + 3 * (size_t)i);
@@ -241,7 +234,7 @@ static inline float rnd_interpolate(const float *attribute, int n, int c, const 
            v * attribute[(size_t)n * index[2] + c];
 }
 
-/* The texture coordinates of a map at barycentric (u, v) of a triangle. */
+/* The texture coordinates of a map at barycentric (u, v) of a triangle; from (0, 0) if the mesh has none. */
 static inline void rnd_map_uv(const struct rnd_map *map, const struct rnd_mesh *mesh, const uint32_t index[3],
                               float u, float v, float out[2])
 {

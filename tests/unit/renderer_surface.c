@@ -130,8 +130,14 @@ static void uv_sets_and_transforms(void **state)
     assert_float_equal(look(true).base.x, 0.4, 1e-5);
     memcpy(map->transform, (float[]){0, 1, 0, -1, 0, 1}, sizeof map->transform); /* to 0.75, 0.25 */
     assert_float_equal(look(true).base.x, 0.2, 1e-5);
-    mesh.uv[1] = NULL; /* the factor stands alone */
-    assert_float_equal(look(true).base.x, 1, 1e-5);
+    /* without texture coordinates, all are (0, 0); in both sets */
+    mesh.uv[0] = mesh.uv[1] = NULL;
+    for (map->uv_set = 0; map->uv_set < 2; map->uv_set++) {
+        memcpy(map->transform, (float[]){1, 0, 0.75f, 0, 1, 0.25f}, sizeof map->transform);
+        assert_float_equal(look(true).base.x, 0.2, 1e-5);
+        memcpy(map->transform, (float[]){1, 0, 0.25f, 0, 1, 0.75f}, sizeof map->transform);
+        assert_float_equal(look(true).base.x, 0.4, 1e-5);
+    }
 }
 
 /* Red leans to the right of the picture, green up; from behind the normal is the same, turned around; scale
