@@ -1,5 +1,7 @@
 /* What scene files say of vertices and nodes: colours, coordinates, first frames, instances. */
 #include "renderer_parts.h"
+#include "material/shading.h"
+#include "material/surface.h"
 
 static const char node[] = "{\"mesh\":0}";
 
@@ -98,7 +100,7 @@ static const struct rnd_instance *look_down(const struct rnd_scene *scene, float
     *out_normal = (vec3s){{hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z}};
     if (instance) {
         *out_point = rnd_instance_point(instance, *out_point);
-        *out_normal = rnd_instance_normal(instance, *out_normal);
+        *out_normal = rnd_from_v3(rnd_normal_to_world(instance, rnd_to_v3(*out_normal)));
     }
     return instance;
 }
