@@ -1,5 +1,6 @@
-/* Files appear whole or not at all: full disks, existing files, parts of killed programs. Every test runs
- * twice: with files that have no name until they are whole, and as on a file system without such files. */
+/* Files appear whole or not at all, whatever happens: a full disk, a file that exists already, parts that
+ * killed programs left behind. Every test runs twice: once with files that have no name until they are whole,
+ * and once as on a file system that has no such files. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -46,7 +47,7 @@ static int enter(void **state)
     return 0;
 }
 
-/* What is in the folder; with removal. */
+/* How many files the folder holds. They are removed if do_remove is set. */
 static int count_entries(bool do_remove)
 {
     DIR *folder = opendir(dir);
@@ -160,7 +161,7 @@ static void refuses_what_is_there(void **state)
     assert_int_equal(count_entries(false), 3);
 }
 
-/* Another program writes the same file meanwhile. */
+/* Another program creates the same file in the meantime. */
 static void comes_second(void **state)
 {
     (void)state;
@@ -180,7 +181,8 @@ static void comes_second(void **state)
     assert_int_equal(count_entries(false), 1);
 }
 
-/* A full disk is reported, however much was buffered; the old file stays, and nothing else is left. */
+/* A full disk is reported, however much of the file was still buffered. The old file stays, and nothing else
+ * is left behind. */
 static void full_disk(void **state)
 {
     (void)state;
@@ -205,7 +207,7 @@ static void full_disk(void **state)
     signal(SIGXFSZ, SIG_DFL);
 }
 
-/* A file that is kept open is whole already, and is not replaced while it is open. */
+/* A file that is kept open is whole from the start, and nothing replaces it while it is open. */
 static void is_kept(void **state)
 {
     (void)state;
@@ -225,8 +227,8 @@ static void is_kept(void **state)
     holds(path, "new");
 }
 
-/* Parts that killed programs have left in the folder are removed; parts of live programs, and other files
- * with such names, stay. */
+/* Parts that killed programs left in the folder are removed. Parts of running programs stay, and so do other
+ * files with similar names. */
 static void removes_leftovers(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* The gate: guesses of a token are checked one per second, wherever they come from, and a right token does
- * not wait longer than that. */
+/* The gate: one guess of a token is checked per second, whatever address it comes from, and a right token
+ * waits no longer than that. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -56,22 +56,23 @@ static void one_a_second(void **state)
     struct dmn_gate gate = {0};
 
     (void)state;
-    /* Who is right, or has said nothing wrong, never waits. */
+    /* A client waits only after a wrong token. */
     for (int i = 0; i < 100; i++) assert_int_equal(dmn_gate_turn(&gate, 1, START), START);
     dmn_gate_wrong(&gate, 1, START);
-    /* The others get turns, a fixed number of them, whether they stay for their answers or not. */
+    /* Later clients get turns, a limited number of them, whether or not they stay for their answers. */
     for (uint64_t i = 1; i <= DMN_GATE_QUEUE; i++)
         assert_int_equal(dmn_gate_turn(&gate, 1, START + 5), START + i * SECOND);
     assert_int_equal(dmn_gate_turn(&gate, 1, START + 5), 0);
     assert_int_equal(dmn_gate_turn(&gate, 1, START + SECOND + 5), START + (DMN_GATE_QUEUE + 1) * SECOND);
     assert_int_equal(dmn_gate_turn(&gate, 1, START + SECOND + 5), 0);
-    /* Somebody else does not wait for them. */
+    /* Clients from other addresses do not wait for them. */
     assert_int_equal(dmn_gate_turn(&gate, 2, START + 5), START + 5);
-    /* When they are through, it is open again. */
+    /* When all turns are over, nobody waits any more. */
     assert_int_equal(dmn_gate_turn(&gate, 1, START + 100 * SECOND), START + 100 * SECOND);
 }
 
-/* After a wrong token a right one waits once; right ones after it do not wait one after another. */
+/* After a wrong token, the next right one waits once; the right ones after it do not wait one after another.
+ */
 static void right_after_wrong(void **state)
 {
     struct dmn_gate gate = {0};
@@ -84,8 +85,8 @@ static void right_after_wrong(void **state)
         assert_int_equal(dmn_gate_turn(&gate, 1, START + SECOND + i), START + SECOND + i);
 }
 
-/* Tokens that are looked at for somebody with so many addresses, who has a thousand tries a second for so
- * long. */
+/* How many tokens are checked for an attacker with this many addresses, who tries a thousand tokens per
+ * second for this long. */
 static unsigned guesses(uint64_t addresses_of, uint64_t seconds)
 {
     struct dmn_gate gate = {0};

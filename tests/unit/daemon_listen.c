@@ -1,5 +1,5 @@
-/* Listening: one of several daemons that start at once gets the socket, clients of other users are refused,
- * and the conditions for TCP. */
+/* Listening: when several daemons start at once, one of them gets the socket; clients of other users are
+ * refused; and listening on TCP has conditions. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -66,7 +66,7 @@ static int dial(void)
     return -1;
 }
 
-/* A socket that a killed daemon has left: nobody listens, and the lock file is not locked. */
+/* Leave the socket of a daemon that was killed: nobody listens on it, and nobody holds its lock file. */
 static void leave_stale(void)
 {
     struct dmn_listener listener;
@@ -82,7 +82,8 @@ static void leave_stale(void)
     assert_int_equal(dial(), -1);
 }
 
-/* One of many daemons: it begins when go is closed, reports its success, and stays until stay is closed. */
+/* One of many daemons: it starts when `go` is closed, reports its success to `said`, and stays until `stay`
+ * is closed. */
 static void run_daemon(int go, int stay, int said)
 {
     struct dmn_listener listener;
@@ -98,7 +99,8 @@ static void run_daemon(int go, int stay, int said)
     _exit(0);
 }
 
-/* Several start at once where a dead daemon has left its socket: one wins, and clients reach it. */
+/* Several daemons start at once where a dead one left its socket: one of them gets the socket, and clients
+ * reach it. */
 static void one_wins(void **state)
 {
     (void)state;
@@ -150,7 +152,7 @@ static void modes(void **state)
     assert_int_equal(status.st_mode & 07777, 0600);
     assert_int_equal(fstat(listener.lock, &status), 0);
     assert_int_equal(status.st_mode & 07777, 0600);
-    assert_null(listener.token); /* whoever can open the socket may do all that this user may */
+    assert_null(listener.token); /* whoever can open the socket has this user's rights anyway */
     dmn_listener_finish(&listener);
     assert_false(is_there("") || is_there(".lock"));
 }
@@ -173,8 +175,8 @@ static void squatted_lock(void **state)
     assert_int_equal(unlink(name), 0);
 }
 
-/* A socket whose mode somebody has changed is still only for this user, as the daemon writes files for its
- * clients. */
+/* Even after somebody has changed the mode of the socket, only this user may connect, because the daemon
+ * writes files for its clients. */
 static void strangers(void **state)
 {
     struct dmn_listener listener;
@@ -194,10 +196,10 @@ static void strangers(void **state)
     child = fork();
     if (child == 0) {
         if (setuid(SOMEBODY_ELSE) || (fd = dial()) < 0) _exit(1);
-        _exit(read(fd, &byte, 1) == 0 ? 0 : 2); /* hung up on, and told nothing */
+        _exit(read(fd, &byte, 1) == 0 ? 0 : 2); /* the daemon closed the connection without a word */
     }
     close(alive[1]);
-    /* until somebody is there, or the child has ended */
+    /* until a client connects, or the child has ended */
     struct pollfd wait[] = {{.fd = listener.fd, .events = POLLIN}, {.fd = alive[0]}};
     while (poll(wait, 2, -1) < 1) continue;
     assert_true(wait[0].revents & POLLIN);
@@ -209,7 +211,7 @@ static void strangers(void **state)
     close(fd);
     assert_true(waitpid(child, &fd, 0) == child);
     assert_int_equal(fd, 0);
-    /* This user's own comes in. */
+    /* A client of this user may connect. */
     fd = dial();
     assert_true(fd >= 0);
     close(dmn_listener_accept(&listener, &peer));
@@ -228,7 +230,7 @@ static int option(int fd, int level, int name)
     return value;
 }
 
-/* Clients on loopback need the token too, and a peer that vanishes is noticed. */
+/* Clients on loopback also need the token, and the kernel is set to notice a peer that vanishes. */
 static void tcp(void **state)
 {
     struct dmn_listener listener;

@@ -1,5 +1,5 @@
-/* Command lines from a table of options, by a toy program: what is taken, what is refused and how, and
- * --help. */
+/* A toy program's command lines, parsed by a table of options: which are taken, which are refused and in what
+ * words, and --help. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -105,7 +105,7 @@ static void help(void)
 
 static const struct dmn_option_set SET = {"toy", ROWS, help};
 
-/* What is written to a descriptor from begin() on, until end(). */
+/* Catches what is written to a descriptor between begin() and end(). */
 struct catch
 {
     int descriptor, kept;
@@ -168,7 +168,7 @@ static void taken(void **state)
     assert_true(v.small == UINT32_MAX && v.large == UINT64_MAX && v.turn == -360 && v.weight == 1e-30f);
     assert_true(v.place[0] == -10 && v.place[1] == 0.5f && v.place[2] == 10 && v.pace == 1e300);
     assert_true(dmn_option_check(&SET, &given, &v));
-    /* Operands stand at the end, in their order. */
+    /* Operands are moved to the end, in their order. */
     assert_int_equal(count - given.operand, 2);
     assert_string_equal(arguments[given.operand], "one");
     assert_string_equal(arguments[given.operand + 1], "two");
@@ -177,16 +177,16 @@ static void taken(void **state)
     assert_string_equal(arguments[given.operand], "--count");
     assert_true(v.pace == 2);
 
-    /* Again: the last one counts, unless they are collected. */
+    /* Of an option given twice the last one counts, unless the option collects its values. */
     assert_int_equal(parse("--count 3 --letter a --count 4 --letter b --letter c", &v), DMN_OPTIONS_TAKEN);
     assert_int_equal(v.count, 4);
     assert_string_equal(v.collected, "abc");
 
-    /* Short for one option. */
+    /* The start of a name is enough if it fits one option alone. */
     assert_int_equal(parse("--na n --cou=5 --q", &v), DMN_OPTIONS_TAKEN);
     assert_true(v.count == 5 && v.quiet && !strcmp(v.name, "n"));
 
-    /* An older name fills in the same field, and counts as given. */
+    /* An option's older name sets the same field, and counts as that option. */
     assert_int_equal(parse("--spot 1,2,3", &v), DMN_OPTIONS_TAKEN);
     assert_true(v.place[0] == 1 && v.place[1] == 2 && v.place[2] == 3);
     assert_true(SET.rows[__builtin_ctzll(given.rows)].former && !(given.rows & (given.rows - 1)));
@@ -233,7 +233,7 @@ static const struct {
     {"--letter ab", "--letter wants one letter, not 'ab'"},
     {"--letter a --letter b --letter c --letter d", "--letter: 3 letters at most"},
     {"--count \033[31m", "--count wants a whole number from 1 to 100, not ' [31m'"},
-    /* What the check refuses. */
+    /* These are refused by dmn_option_check(). */
     {"--count 3", "--name NAME is missing"},
     {"--name n --suffix s", "--suffix needs --base"},
     {"--name n --soft", "--soft needs --quiet"},
@@ -314,7 +314,7 @@ static void answered(void **state)
     assert_string_equal(end(&catch), "toy " FOVEAD_VERSION "\n");
 }
 
-/* Lines are filled up to the last column, and broken only between words. */
+/* Lines are filled to the last column, and broken only between words. */
 static void wrapped(void **state)
 {
     static const struct {

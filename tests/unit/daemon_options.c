@@ -13,7 +13,7 @@
 #include "daemon.h"
 #include "options.h"
 
-/* What a refusal says on stderr. */
+/* What parse() last printed to stderr. */
 static char said[4096];
 
 static enum dmn_parsed parse(const char *line, struct dmn_options *out)
@@ -23,7 +23,7 @@ static enum dmn_parsed parse(const char *line, struct dmn_options *out)
     FILE *file = tmpfile();
     enum dmn_parsed parsed;
 
-    /* Options keep pointers into the line. */
+    /* The parsed options point into this copy of the line. */
     char *words = strdup(line);
     snprintf(copy, sizeof(copy), "%s", line);
     for (char *word = strtok_r(words, " ", &save); word; word = strtok_r(NULL, " ", &save))
@@ -49,7 +49,7 @@ static void run(const char *line, struct dmn_options *out)
 
 static void finish(struct dmn_options *options)
 {
-    /* The first word of the line is always --scene. */
+    /* Free the line, whose first word is always --scene. */
     free((char *)(uintptr_t)(options->scene.path - strlen("--scene ")));
 }
 
@@ -320,7 +320,7 @@ static void directions(void **state)
         rnd_direction((float)(ANGLES[i][0] * M_PI / 180), (float)(ANGLES[i][1] * M_PI / 180), d);
         dmn_angles(d, &yaw, &pitch);
         assert_true(fabs(yaw - ANGLES[i][0]) < 1e-3 && fabs(pitch - ANGLES[i][1]) < 1e-3);
-        /* The view's forward, -Z, turned by the quaternion, is the direction: v + 2 q x (q x v + w v). */
+        /* Turning the view's forward direction, -Z, by the quaternion gives d: v + 2 q x (q x v + w v). */
         dmn_orientation(d, q);
         for (int c = 0; c < 3; c++) t[c] = 0;
         t[0] = -q[1], t[1] = q[0], t[2] = -q[3];
@@ -343,7 +343,7 @@ static void percentiles(void **state)
 
         assert_true(fabs(found / (p * 1e-3) - 1) < 0.03);
     }
-    /* Nothing is too short or too long to count. */
+    /* Values beyond the range of the histogram, and NaN, are counted too. */
     dmn_histogram_add(h, -1);
     dmn_histogram_add(h, 1e9);
     dmn_histogram_add(h, NAN);

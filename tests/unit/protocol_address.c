@@ -68,7 +68,8 @@ static void assert_default(const char *folder)
     assert_string_equal(address.path, expected);
 }
 
-/* The default is where nobody else can put a socket: a folder of this user's, which is not a link. */
+/* By default the socket is where nobody else can put one: in a folder that belongs to this user and is no
+ * link. */
 static void defaults(void **state)
 {
     (void)state;
@@ -110,7 +111,7 @@ static void defaults(void **state)
     rmdir(folder);
 }
 
-/* Without such a folder, one of our own is made in /tmp. */
+/* Without such a folder, the default is a folder of the project's own in /tmp. */
 static void default_without_runtime_folder(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* The client against a daemon that keeps to the protocol: connect, tiles and their picture, acknowledgements,
- * clock. */
+/* The client against a daemon that keeps to the protocol: connecting, tiles and the picture they make,
+ * acknowledgements, the clock. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -33,7 +33,7 @@ static Fovea__Hello hello_for(Fovea__Encoding encoding)
     return hello;
 }
 
-/* Receive until a message of the kind; it is returned. */
+/* Receive until a message of this kind arrives, and return it. */
 static Fovea__Message *receive(struct pro_client *client, Fovea__Message__BodyCase kind)
 {
     for (;;) {
@@ -46,7 +46,7 @@ static Fovea__Message *receive(struct pro_client *client, Fovea__Message__BodyCa
     }
 }
 
-/* Receive a Done and all that came with it, so that every tile so far is acknowledged. */
+/* Receive until Done, then whatever else has arrived, so that every tile so far is acknowledged. */
 static void receive_done(struct pro_client *client)
 {
     char error[PRO_ERROR_SIZE];
@@ -70,7 +70,7 @@ static void script_tiles(struct server *server)
     server_welcome(server);
     server_tile(server, 1, 1, 0, 3, 2, 0.5f);
     server_tile(server, 2, 1, 2, 0, 0, 0.25f);  /* coarse after fine */
-    server_tile(server, 3, 0, 2, 1, 0, 0.125f); /* of a generation that is over */
+    server_tile(server, 3, 0, 2, 1, 0, 0.125f); /* of a generation that has ended */
     send_done(server);
     server_until(server, FOVEA__MESSAGE__BODY_FREEZE);
     server_tile(server, 4, 2, 1, 1, 1, 0.75f); /* a new generation */
@@ -128,7 +128,7 @@ static int option(const struct pro_client *client, int level, int name)
     return value;
 }
 
-/* A daemon on a machine that has vanished is noticed. */
+/* The kernel is set to notice that the daemon's machine has vanished. */
 static void alive_on_tcp(void **state)
 {
     (void)state;
@@ -159,7 +159,7 @@ static void tiles_tcp_jpeg(void **state)
 
 enum { MANY = 300 };
 
-/* Never more tiles under way than the window, as a daemon sends them. */
+/* Like a daemon, never have more tiles in flight than the window. */
 static void script_window(struct server *server)
 {
     server_until(server, FOVEA__MESSAGE__BODY_HELLO);
@@ -182,7 +182,7 @@ static void window_never_stalls(void **state)
         struct server server = {.variant = window};
         Fovea__Hello hello = hello_for(FOVEA__ENCODING__ENCODING_HALF_ZSTD);
         hello.window =
-            window % 2 ? 0 : (uint32_t)window; /* 0: the daemon's choice, which the client is not told */
+            window % 2 ? 0 : (uint32_t)window; /* 0: the daemon chooses, and does not tell the client */
         struct pro_client *client = meet(&server, script_window, hello, false);
         receive_done(client);
         pro_disconnect(client);
@@ -192,7 +192,7 @@ static void window_never_stalls(void **state)
     }
 }
 
-/* Send all tiles at once; the client begins to read when all have come. */
+/* Send all tiles at once. The client begins to read only when all have arrived. */
 static void script_burst(struct server *server)
 {
     server_until(server, FOVEA__MESSAGE__BODY_HELLO);
@@ -218,8 +218,8 @@ static void burst_is_acknowledged_together(void **state)
     assert_true(server.acknowledges >= 16 && server.acknowledges <= 32);
 }
 
-/* A daemon that stops reading: what the client cannot send must neither keep it from receiving, nor keep it
- * busy. */
+/* A daemon stops reading. What the client cannot send must not keep it from receiving, and must not make it
+ * spin. */
 static void script_deaf(struct server *server)
 {
     server_until(server, FOVEA__MESSAGE__BODY_HELLO);
@@ -227,14 +227,14 @@ static void script_deaf(struct server *server)
     server_until(server, FOVEA__MESSAGE__BODY_PING);
     for (uint64_t serial = 1; serial <= 5000; serial++) server_tile(server, serial, 1, 0, 0, 0, 1);
     send_done(server);
-    server_pause(1500); /* the next Ping becomes due */
+    server_pause(1500); /* until the next Ping is due */
     while (server->acknowledged < 5000)
         if (!server_until(server, FOVEA__MESSAGE__BODY_ACKNOWLEDGE)) return;
     send_done(server);
     server_until_gone(server);
 }
 
-/* What this thread asks of ppoll(), which the linker sends here first. */
+/* How this thread calls ppoll(): the linker redirects the calls to the wrapper below. */
 static _Thread_local unsigned polls;
 static _Thread_local bool may_wait;
 int __real_ppoll(struct pollfd *fds, nfds_t count, const struct timespec *timeout, const sigset_t *mask);
@@ -254,7 +254,7 @@ static void daemon_that_does_not_read(void **state)
         meet(&server, script_deaf, hello_for(FOVEA__ENCODING__ENCODING_HALF_ZSTD), false);
     receive_done(client);
     polls = 0;
-    receive_done(client); /* and what was held back is said once it reads again */
+    receive_done(client); /* the client sends what it held back as soon as the daemon reads again */
     assert_true(polls < 1000);
     pro_disconnect(client);
     server_finish(&server);
@@ -301,14 +301,14 @@ static void estimate(void **state)
     assert_true(clock.known);
     assert_int_equal(clock.round_trip_ns, 200);
     assert_int_equal(clock.offset_ns, 3900);
-    pro_estimate_add(&clock, 2000, 9000, 2500); /* longer: tells less */
+    pro_estimate_add(&clock, 2000, 9000, 2500); /* a longer round trip tells less */
     assert_int_equal(clock.offset_ns, 3900);
-    pro_estimate_add(&clock, 3000, 2000, 3100); /* shorter; the daemon's clock behind ours */
+    pro_estimate_add(&clock, 3000, 2000, 3100); /* a shorter one; the daemon's clock is behind ours */
     assert_int_equal(clock.round_trip_ns, 100);
     assert_int_equal(clock.offset_ns, -1050);
     const uint64_t ms = 1000000;
     pro_estimate_add(&clock, 10 * second, 0,
-                     10 * second + 3 * ms); /* after 10 s, 2 ms more are allowed, not 3 */
+                     10 * second + 3 * ms); /* after 10 s, 2 ms more are allowed, 3 ms are not */
     assert_int_equal(clock.round_trip_ns, 100);
     pro_estimate_add(&clock, 10 * second, 0, 10 * second + 2 * ms);
     assert_int_equal(clock.round_trip_ns, 2 * ms);
@@ -333,7 +333,7 @@ static void signals_do_not_shorten(void **state)
     Fovea__Message *message;
     setitimer(ITIMER_REAL, &often, NULL);
     uint64_t began = server_now_ns();
-    /* A machine that is slow may let the next Pong come first. */
+    /* On a slow machine the next Pong may arrive first. */
     while (pro_receive(client, 150, &message, error) == PRO_MESSAGE) {
         fovea__message__free_unpacked(message, NULL);
         began = server_now_ns();

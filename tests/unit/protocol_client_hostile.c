@@ -1,5 +1,5 @@
-/* The client against daemons that break the protocol: each ends with one line that says how, and nothing
- * else. */
+/* The client against daemons that break the protocol: each connection ends with one line that says how the
+ * daemon broke it, and nothing worse happens. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,7 +13,7 @@
 
 #include "protocol_server.h"
 
-/* Connect and receive until it is broken; expect the line to say so. */
+/* Connect, and receive until the connection breaks. The error must contain `part`. */
 static void assert_breaks(void (*script)(struct server *), int variant, const char *part)
 {
     struct server server = {.script = script, .variant = variant};
@@ -36,11 +36,11 @@ static void assert_breaks(void (*script)(struct server *), int variant, const ch
     for (const char *c = error; *c; c++) assert_true((unsigned char)*c >= 0x20);
 }
 
-/* --- somebody else --- */
+/* --- another user --- */
 
 enum { SOMEBODY_ELSE = 65534 };
 
-/* Another user, who listens on a socket in the daemon's place. Status 0 if nothing was sent to it. */
+/* Listen as another user on a socket in the daemon's place. Exits with 0 if the client sent nothing. */
 static void squat(const struct sockaddr_un *at, int ready)
 {
     int listener = socket(AF_UNIX, SOCK_STREAM, 0), fd;
@@ -71,7 +71,7 @@ static void stranger_hears_nothing(void **state)
     assert_int_equal(pipe(ready), 0);
     pid_t child = fork();
     if (child == 0) squat(&at, ready[1]);
-    close(ready[1]); /* a child that has failed says nothing, and the read ends */
+    close(ready[1]); /* if the child fails, its end of the pipe closes and read() returns */
     assert_int_equal(read(ready[0], &byte, 1), 1);
     assert_null(pro_connect(&address, &hello, PATIENCE_MS, false, error));
     if (!strstr(error, "user 65534 listens at unix:/tmp/") || !strstr(error, "nothing was sent"))
@@ -253,7 +253,7 @@ static void script_bad_tile(struct server *server)
         break;
     case 10:
         tile.generation = 0, tile.data.len--;
-        break; /* even if it is not needed any more */
+        break; /* the data is too short; refused even though the tile is not needed any more */
     }
     server_send(server, FOVEA__MESSAGE__BODY_TILE, &tile);
     if (count) free(bytes);
@@ -291,7 +291,7 @@ static void script_out_of_place(struct server *server)
     server_welcome(server);
     gaze.direction = gaze.head = gaze.aim = numbers;
     gaze.n_direction = gaze.n_aim = 3;
-    server_send(server, FOVEA__MESSAGE__BODY_GAZE, &gaze); /* this one is good */
+    server_send(server, FOVEA__MESSAGE__BODY_GAZE, &gaze); /* this one is valid */
     switch (server->variant) {
     case 0:
         gaze.n_direction = 0;
@@ -321,7 +321,7 @@ static void script_out_of_place(struct server *server)
     stats.camera = done.camera = camera;
     stats.n_camera = done.n_camera = 3;
     stats.scene = stats.refused = "a\nb";
-    server_send(server, FOVEA__MESSAGE__BODY_STATS, &stats); /* these are good, but for what cleaning mends */
+    server_send(server, FOVEA__MESSAGE__BODY_STATS, &stats); /* valid: the client only cleans the text */
     server_send(server, FOVEA__MESSAGE__BODY_DONE, &done);
     if (server->variant == 8) camera[2] = INFINITY;
     if (server->variant == 9) stats.n_camera = 2;
@@ -351,7 +351,7 @@ static void script_half(struct server *server)
     server_until(server, FOVEA__MESSAGE__BODY_PING);
     if (server->variant == 0) server_write(server, "\0\0\1\0abc", 7);
     if (server->variant == 1) server_write(server, "\0\0", 2);
-    if (server->variant >= 3) { /* noise, of a fixed seed */
+    if (server->variant >= 3) { /* noise from a fixed seed */
         unsigned seed = (unsigned)server->variant;
         uint8_t bytes[2000];
         for (size_t i = 0; i < sizeof bytes; i++)

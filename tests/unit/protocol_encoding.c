@@ -1,4 +1,4 @@
-/* Tile encodings: round trips, what happens to numbers that they cannot hold, and bytes that are no tile. */
+/* Tile encodings: round trips, values that an encoding cannot hold, and bytes that are no tile. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -42,7 +42,7 @@ static void every_half(void **state)
         assert_true(value == half_by_definition(half));
         assert_int_equal(half_from_float(value), half);
         if ((half & 0x7fff) == 0x7bff) continue;
-        /* Between this half and the next: nearest, and the even one of two. */
+        /* A value between this half and the next goes to the nearer one; the middle goes to the even one. */
         double next = half_by_definition(half + 1), middle = (value + next) / 2;
         assert_int_equal(half_from_float((float)middle), half + (half & 1));
         assert_int_equal(half_from_float(nextafterf((float)middle, value)), half);
@@ -50,7 +50,7 @@ static void every_half(void **state)
     }
 }
 
-/* Encode and decode a tile that is value at one place and 1 elsewhere. */
+/* Encode and decode a tile whose values are 1, except one of them. */
 static float through(float value)
 {
     static float rgb[VALUES], back[VALUES];
@@ -98,7 +98,7 @@ static void half_zstd_is_lossless(void **state)
     }
 }
 
-/* Exact-size copies, so that a sanitizer sees every step beyond. */
+/* Decode from a copy of exactly this size, so that a sanitizer notices any access beyond it. */
 static bool decode_copy(Fovea__Encoding encoding, const uint8_t *bytes, size_t count, unsigned size)
 {
     uint8_t *copy = malloc(count ? count : 1);
@@ -124,7 +124,7 @@ static uint8_t *encode_gradient(Fovea__Encoding encoding, unsigned size, size_t 
     return bytes;
 }
 
-/* For every encoding: bytes of another size, cut short, with more at the end, and damaged at every place. */
+/* For every encoding: a wrong size, data cut short, data with extra bytes, and damage at every byte. */
 static void spoilt(Fovea__Encoding encoding)
 {
     size_t count;
@@ -142,7 +142,7 @@ static void spoilt(Fovea__Encoding encoding)
     free(longer);
     for (size_t at = 0; at < count; at++) {
         bytes[at] ^= 0x55;
-        decode_copy(encoding, bytes, count, 16); /* may still be a tile, of other pixels: must only be safe */
+        decode_copy(encoding, bytes, count, 16); /* may decode to other pixels; must only be safe */
         bytes[at] ^= 0x55;
     }
     uint64_t seed = 1;
@@ -150,7 +150,7 @@ static void spoilt(Fovea__Encoding encoding)
         uint8_t garbage[100];
         for (size_t b = 0; b < sizeof garbage; b++)
             garbage[b] = (uint8_t)((seed = seed * 6364136223846793005u + 1442695040888963407u) >> 56);
-        /* Half of them begin as the real thing does. */
+        /* Half of them begin like a real tile. */
         if (i % 2) memcpy(garbage, bytes, 8);
         assert_false(decode_copy(encoding, garbage, sizeof garbage, 16));
     }
@@ -185,7 +185,7 @@ static size_t wrap_plain(void *out, size_t room, const void *in, size_t size)
     return ZSTD_compress(out, room, in, size, 1);
 }
 
-/* As a stream, whose frame does not say how long it is. */
+/* Compressed as a stream: its frame does not state the size of the content. */
 static size_t wrap_without_size(void *out, size_t room, const void *in, size_t size)
 {
     ZSTD_CCtx *context = ZSTD_createCCtx();
@@ -195,7 +195,7 @@ static size_t wrap_without_size(void *out, size_t room, const void *in, size_t s
     return count;
 }
 
-/* A frame that says it holds 2^60 bytes. */
+/* A frame that claims to hold 2^60 bytes. */
 static size_t wrap_bomb(void *out, size_t room, const void *in, size_t size)
 {
     (void)in, (void)size;
@@ -205,7 +205,7 @@ static size_t wrap_bomb(void *out, size_t room, const void *in, size_t size)
     return sizeof bytes;
 }
 
-/* The right size is stated, but the blocks hold much more: run-length blocks of 128 KiB in 4 bytes each. */
+/* A frame that states the right size but holds much more: run-length blocks, each of 128 KiB in 4 bytes. */
 static size_t wrap_liar(void *out, size_t room, const void *in, size_t size)
 {
     (void)in;
@@ -254,7 +254,7 @@ static double srgb(double x)
     return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
 }
 
-/* Through a tile of one value, where only the curve and its eight bits can be off. */
+/* A tile of one value: only the sRGB curve and the rounding to eight bits can change it. */
 static void jpeg_flat(void **state)
 {
     (void)state;
@@ -268,8 +268,8 @@ static void jpeg_flat(void **state)
         assert_true(pro_decode(JPEG, bytes, count, SIZE, back));
         free(bytes);
         double wanted = 255 * srgb(value), got = 255 * srgb(back[0]);
-        /* Half a step for eight bits; the one coefficient is quantised to 3/8 of a step, which rounds away.
-         */
+        /* Half a step of eight bits. The one coefficient is quantised to 3/8 of a step, which rounding
+         * removes. */
         assert_true(fabs(got - wanted) <= 0.51);
         assert_memory_equal(back, back + 3, (VALUES - 3) * sizeof *back);
     }
@@ -321,7 +321,7 @@ static void rgb9e5_spoilt(void **state)
     spoilt(RGB9E5);
 }
 
-/* The word of one pixel. */
+/* Encode one pixel, and return its word. */
 static uint32_t rgb9e5_word(float r, float g, float b)
 {
     const float rgb[3] = {r, g, b};
@@ -334,8 +334,7 @@ static uint32_t rgb9e5_word(float r, float g, float b)
     return word;
 }
 
-/* Words by the definition of EXT_texture_shared_exponent: red in the lowest bits, the exponent in the
- * highest. */
+/* Words by the definition of EXT_texture_shared_exponent: red in the lowest bits, exponent in the highest. */
 static void rgb9e5_words(void **state)
 {
     (void)state;
@@ -349,7 +348,7 @@ static void rgb9e5_words(void **state)
                      16u << 27 | 256); /* its mantissa rounds up to the next exponent */
 }
 
-/* What it can hold comes back; all else within half a step of the largest channel's. */
+/* Values that the format can hold come back exactly; others within half a step of the largest channel. */
 static void rgb9e5_round_trip(void **state)
 {
     (void)state;
@@ -374,7 +373,7 @@ static void rgb9e5_round_trip(void **state)
     free(again);
 }
 
-/* JPEGs that are valid pictures, but no tiles. */
+/* A JPEG that is a valid picture, but not a tile, is refused. */
 static void assert_jpeg_refused(int width, int height, int channels, bool progressive)
 {
     struct jpeg_compress_struct jpeg;

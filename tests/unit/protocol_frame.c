@@ -1,5 +1,5 @@
-/* Frames: messages come out as they went in, however the bytes are cut up; bytes that are no message are
- * refused at once and cheaply.
+/* Frames: messages come out as they went in, however their bytes are cut up; bytes that are no message are
+ * refused at once and at little cost.
  *
  * Linked with --wrap=malloc and --wrap=realloc, to count what the protocol allocates. */
 #include <setjmp.h>
@@ -154,7 +154,7 @@ static void headroom(void **state)
     assert_int_equal(shifted, plain);
     assert_memory_equal(a, wire, sizeof wire);
     assert_memory_equal(b + 32, wire, sizeof wire);
-    /* The message alone, and its length, make the same frame. */
+    /* The message packed alone, behind its length, makes the same frame. */
     uint8_t *alone = pro_pack_message(&message, 32, &shifted), frame[sizeof wire];
     assert_int_equal(PRO_PREFIX + shifted, sizeof wire);
     pro_put_length(frame, shifted);
@@ -213,9 +213,9 @@ static void refused(void **state)
                   "a message of 4294967295 bytes, where 8388608 is the limit");
     assert_broken(PRO_MAX_TO_DAEMON, "\0\1\0\1", 4, "a message of 65537 bytes, where 65536 is the limit");
     assert_broken(PRO_MAX_TO_DAEMON, "\0\0\0\2\x3a\5", 6,
-                  "2 bytes that are not a message"); /* Ping runs over */
+                  "2 bytes that are not a message"); /* the Ping is longer than the frame */
     assert_broken(PRO_MAX_TO_DAEMON, "\0\0\0\2\x38\5", 6,
-                  "2 bytes that are not a message"); /* Ping a number */
+                  "2 bytes that are not a message"); /* the Ping is a number */
     assert_broken(PRO_MAX_TO_DAEMON, "\0\0\0\3\xf8\3\1", 7, "a message with no known body"); /* field 63 */
 }
 
@@ -239,7 +239,7 @@ static void limit_is_allowed(void **state)
     free(bytes);
 }
 
-/* A peer that announces much and sends little costs little memory; one whose messages are not taken is
+/* A peer that announces much and sends little costs little memory. A peer whose messages nobody takes is
  * stopped. */
 static void memory_follows_bytes(void **state)
 {
@@ -263,7 +263,7 @@ static void memory_follows_bytes(void **state)
     pro_reader_finish(&reader);
 }
 
-/* Take everything from count bytes; returns how many messages there were. */
+/* Take all messages out of the bytes, and return how many there were. */
 static unsigned take_all(const uint8_t *bytes, size_t count, size_t limit)
 {
     struct pro_reader reader;
@@ -294,8 +294,8 @@ static void greedy_frames(void **state)
     (void)state;
     enum { LENGTH = 60000 };
     static const char *const units[] = {
-        "\xf8\3\1",     /* an unknown field, again and again: each is kept, and noted */
-        "\x8a\1\0",     /* an empty Tile, again and again: all but the last are freed */
+        "\xf8\3\1",     /* an unknown field, repeated: protobuf-c keeps every one */
+        "\x8a\1\0",     /* an empty Tile, repeated: all but the last are freed */
         "\x92\1\2\x12", /* a Gaze whose direction is cut off */
         "\x3a\0",       /* an empty Ping */
     };
@@ -306,7 +306,8 @@ static void greedy_frames(void **state)
         for (size_t i = 0; i < LENGTH; i++) bytes[4 + i] = (uint8_t)units[u][i % sizes[u]];
         assert_int_equal(take_all(bytes, 4 + LENGTH, PRO_MAX_TO_DAEMON), 0);
     }
-    /* One Gaze whose direction has as many floats as fit: honest, and no more than its bytes. */
+    /* One Gaze whose direction has as many floats as fit is honest: it takes no more memory than its bytes.
+     */
     size_t floats = (LENGTH - 20) / 4 * 4, gaze = floats + 4;
     memset(bytes, 0, 4 + LENGTH);
     size_t length = gaze + 5;
@@ -329,7 +330,7 @@ static void noise_is_survived(void **state)
     unsigned messages = 0;
     for (int i = 0; i < 30000; i++) {
         size_t count = 1 + noise(&seed) % 200, prefix = i % 3 == 0 ? 0 : 4;
-        uint8_t *bytes = malloc(prefix + count); /* exact size: a sanitizer sees every step beyond */
+        uint8_t *bytes = malloc(prefix + count); /* exact size: a sanitizer notices any access beyond */
         for (size_t b = 0; b < count; b++) bytes[prefix + b] = (uint8_t)noise(&seed);
         if (prefix) memcpy(bytes, (uint8_t[]){0, 0, 0, (uint8_t)count}, 4);
         if (i % 3 == 2 && count >= valid - 4) { /* a valid message with a few bytes changed */
@@ -340,7 +341,7 @@ static void noise_is_survived(void **state)
         messages += take_all(bytes, prefix + count, PRO_MAX_TO_DAEMON);
         free(bytes);
     }
-    assert_true(messages > 1000); /* so noise went deep enough to matter */
+    assert_true(messages > 1000); /* proves that the noise reached the parser */
     free(tile);
 }
 

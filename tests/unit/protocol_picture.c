@@ -1,4 +1,4 @@
-/* The picture of a client: the finest level wins, coarse ones are interpolated, generations end. */
+/* The client's picture: the finest level wins, coarse levels are interpolated, and generations end. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -24,7 +24,7 @@ static struct pro_picture *create(uint32_t width, uint32_t height, uint32_t tile
     return pro_picture_create(&welcome, error);
 }
 
-/* A tile of one value in red; green and blue are 2 and 3 times that. */
+/* Put a tile of one value in red, and 2 and 3 times that value in green and blue. */
 static void put_flat(struct pro_picture *picture, uint64_t generation, uint32_t level, uint32_t x, uint32_t y,
                      uint32_t size, float value)
 {
@@ -55,9 +55,9 @@ static void finest_wins(void **state)
     static float rgb[64 * 32 * 3];
     put_flat(picture, 5, 0, 1, 0, 16, 3);
     assert_true(pro_picture_coverage(picture) == 1 / 8.0);
-    put_flat(picture, 5, 1, 0, 0, 16, 8); /* late and coarse: fills round the fine one, and hides nothing */
+    put_flat(picture, 5, 1, 0, 0, 16, 8); /* late and coarse: fills what the fine tile leaves empty */
     assert_true(pro_picture_coverage(picture) == 4 / 8.0);
-    put_flat(picture, 5, 0, 1, 0, 16, 4); /* a newer one of the same place replaces it */
+    put_flat(picture, 5, 0, 1, 0, 16, 4); /* a newer tile replaces it */
     pro_picture_resolve(picture, rgb);
     for (int y = 0; y < 32; y++)
         for (int x = 0; x < 64; x++) {
@@ -75,9 +75,9 @@ static void generations(void **state)
     struct pro_picture *picture = create(64, 32, 16, 2);
     static float rgb[64 * 32 * 3];
     put_flat(picture, 5, 1, 0, 0, 16, 8);
-    put_flat(picture, 4, 1, 1, 0, 16, 9); /* over: dropped */
+    put_flat(picture, 4, 1, 1, 0, 16, 9); /* an old generation: dropped */
     assert_true(pro_picture_coverage(picture) == 0.5);
-    put_flat(picture, 6, 0, 3, 1, 16, 2); /* new: empties the rest */
+    put_flat(picture, 6, 0, 3, 1, 16, 2); /* a new generation empties the rest */
     assert_true(pro_picture_coverage(picture) == 1 / 8.0);
     pro_picture_resolve(picture, rgb);
     assert_true(rgb[0] == 0);
@@ -87,7 +87,7 @@ static void generations(void **state)
     pro_picture_destroy(picture);
 }
 
-/* By hand: two pixels of level 2 side by side are four film pixels apart. */
+/* Computed by hand: two adjacent pixels of level 2 are four film pixels apart. */
 static void bilinear_by_hand(void **state)
 {
     (void)state;
@@ -95,11 +95,11 @@ static void bilinear_by_hand(void **state)
     static float rgb[64 * 32 * 3];
     put_flat(picture, 5, 2, 0, 0, 8, 10);
     pro_picture_resolve(picture, rgb);
-    for (int x = 0; x < 32; x++) assert_true(rgb[x * 3] == 10); /* alone: flat up to its border */
+    for (int x = 0; x < 32; x++) assert_true(rgb[x * 3] == 10); /* a single tile is flat up to its border */
     put_flat(picture, 5, 2, 1, 0, 8, 18);
     pro_picture_resolve(picture, rgb);
     const float across[] = {10, 10, 11, 13,
-                            15, 17, 18, 18}; /* columns 28 to 35: steps of 8/4 about the border */
+                            15, 17, 18, 18}; /* columns 28 to 35: steps of 8/4 around the border */
     const float seam[] = {18, 18, 17, 15, 13, 11, 10, 10}; /* columns 60 to 63, then 0 to 3 */
     for (int i = 0; i < 8; i++) {
         for (int y = 0; y < 32; y += 31) {
@@ -110,7 +110,7 @@ static void bilinear_by_hand(void **state)
     pro_picture_destroy(picture);
 }
 
-/* --- against the definition, pixel by pixel, on random pictures --- */
+/* --- random pictures, compared with the definition pixel by pixel --- */
 
 enum { LEVELS = 5 };
 
@@ -179,7 +179,7 @@ static void compare(int width, int height, int size, int levels, unsigned seed, 
                 float red = (float)(dice(&seed) % 256);
                 bool inside = x < m.width[l] && y < m.height[l];
                 if (inside) m.red[l][y * m.width[l] + x] = red;
-                tile[3 * i] = inside ? red : 60000; /* what overhangs must not show */
+                tile[3 * i] = inside ? red : 60000; /* pixels beyond the level must not show */
                 tile[3 * i + 1] = tile[3 * i + 2] = -1;
             }
             assert_true(pro_picture_put(picture, 5, (uint32_t)l, (uint32_t)(t % m.columns[l]),
@@ -211,8 +211,8 @@ static void as_defined(void **state)
     (void)state;
     for (unsigned seed = 1; seed <= 20; seed++) {
         compare(64, 32, 8, 3, seed, 40);
-        compare(56, 40, 8, 4, seed, 30); /* levels whose last tiles overhang */
-        compare(24, 24, 3, 5, seed, 25); /* coarse pixels wider than a tile */
+        compare(56, 40, 8, 4, seed, 30); /* the last tiles of levels overhang */
+        compare(24, 24, 3, 5, seed, 25); /* coarse pixels are wider than a tile */
         compare(512, 256, 256, 5, seed, 50);
         compare(8, 4, 4, 3, seed, 60);
     }

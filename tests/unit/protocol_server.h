@@ -1,8 +1,8 @@
-/* protocol_server.h: a daemon of a few lines for the client's tests: one thread, one connection, one script.
+/* protocol_server.h: a daemon of a few lines for the tests of the client. It has one thread, takes one
+ * connection and follows one script.
  *
- * The script runs in its own thread, where cmocka cannot assert; it notes what it saw in the server, and the
- * test looks after server_finish().
- */
+ * The script runs in the daemon's thread, where cmocka cannot assert. It notes in the server what it sees,
+ * and the test checks that after server_finish(). */
 #ifndef FOVEAD_PROTOCOL_SERVER_H
 #define FOVEAD_PROTOCOL_SERVER_H
 
@@ -25,19 +25,19 @@ enum { WIDTH = 128, HEIGHT = 64, TILE = 16, FILM_LEVELS = 3, PATIENCE_MS = 36000
 struct server {
     struct pro_address address; /* where it listens */
     void (*script)(struct server *server);
-    bool is_late;           /* listens only after */
-    atomic_bool may_listen; /* this */
+    bool is_late;           /* it does not listen before may_listen */
+    atomic_bool may_listen; /* set by the test */
     int variant;            /* for the script */
     int listener, fd;
     struct pro_reader reader;
     pthread_t thread;
     char folder[64];
-    /* What the script saw. */
+    /* What the script has seen. */
     Fovea__Hello hello;
     char client[64];
     unsigned acknowledges, pings, freezes, others;
     uint64_t acknowledged;
-    bool went_back; /* an acknowledgement did */
+    bool went_back; /* an acknowledgement was lower than the one before */
 };
 
 static inline void server_pause(int ms)
@@ -53,7 +53,7 @@ static inline uint64_t server_now_ns(void)
     return (uint64_t)now.tv_sec * 1000000000 + (uint64_t)now.tv_nsec;
 }
 
-/* False if the client has gone. */
+/* Returns false if the client has gone. */
 static inline bool server_write(struct server *server, const void *bytes, size_t count)
 {
     const char *next = bytes;
@@ -132,7 +132,7 @@ static inline void server_note(struct server *server, const Fovea__Message *mess
     case FOVEA__MESSAGE__BODY_PING:
         server->pings++;
         pong.client_ns = message->ping->client_ns;
-        pong.daemon_ns = server_now_ns() + 1000000000000; /* a clock that is 1000 s ahead */
+        pong.daemon_ns = server_now_ns() + 1000000000000; /* the daemon's clock is 1000 s ahead */
         server_send(server, FOVEA__MESSAGE__BODY_PONG, &pong);
         break;
     case FOVEA__MESSAGE__BODY_FREEZE:
@@ -143,7 +143,7 @@ static inline void server_note(struct server *server, const Fovea__Message *mess
     }
 }
 
-/* Read and note messages until one of the kind came (the last of them is noted too). False if the client has
+/* Read messages and note them, up to and including the first of this kind. Returns false if the client has
  * gone. */
 static inline bool server_until(struct server *server, Fovea__Message__BodyCase kind)
 {
@@ -189,7 +189,7 @@ static inline void *server_run(void *argument)
     return NULL;
 }
 
-/* Bind and start; server->address says where. Returns false if that cannot be had. */
+/* Bind and start; server->address is where it listens. Returns false if that fails. */
 static inline bool server_start(struct server *server, bool tcp)
 {
     server->address = (struct pro_address){.is_unix = !tcp};

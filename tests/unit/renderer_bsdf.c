@@ -1,5 +1,5 @@
-/* Sampling without a render. Materials: draws follow the stated density, weights are BSDF over density,
- * reciprocal, and make no light. And alias tables. */
+/* Sampling of materials without a render: draws follow the stated density, weights are BSDF over density,
+ * BSDFs are reciprocal and create no light. Also alias tables. */
 #include "renderer_bsdf.h"
 
 static const struct case_of_bsdf cases[] = {
@@ -27,11 +27,11 @@ static const struct case_of_bsdf bent[] = {
 };
 enum { CASES = sizeof cases / sizeof *cases };
 
-/* From the normal. Where a sanitizer looks, the second is enough. */
+/* Degrees from the normal. A sanitized build tests only the second. */
 static const double angles[] = {0, 30, 60, 85};
 enum { ANGLES = sizeof angles / sizeof *angles, ANGLE = SANITIZED, ANGLE_STEP = SANITIZED ? ANGLES : 1 };
 
-/* Places a cell that a quadrature takes along the azimuth: a grazing lobe is narrow across. */
+/* How many points per cell a quadrature takes along the azimuth: a grazing lobe is narrow in azimuth. */
 static int azimuth_parts(double angle_deg)
 {
     return angle_deg > 80 ? 192 : 32;
@@ -49,8 +49,8 @@ static void draws_follow_density(void **state)
         }
 }
 
-/* Shading normals that differ from the triangle's: draws are above the triangle and follow the density, and a
- * white metal returns all light, even if much of its lobe is below the triangle. */
+/* When the shading normal differs from the triangle's, draws are above the triangle and follow the density,
+ * and a white metal returns all light even if much of its lobe is below the triangle. */
 static void bent_normals(void **state)
 {
     (void)state;
@@ -82,7 +82,7 @@ static void bent_normals(void **state)
         }
 }
 
-/* The mean of weights is the albedo by quadrature; a white metal returns all light, and so does Lambert. */
+/* The mean weight is the albedo by quadrature. A white metal returns all light, and so does Lambert. */
 static void weights(void **state)
 {
     (void)state;
@@ -115,7 +115,8 @@ static void weights(void **state)
         }
 }
 
-/* Reciprocity of all but metals: the light that these lose is given back by its outgoing direction. */
+/* All BSDFs but metals are reciprocal. Metals are not, because the light that they lose between facets is
+ * given back according to the outgoing direction alone. */
 static void reciprocity(void **state)
 {
     (void)state;
@@ -134,7 +135,7 @@ static void reciprocity(void **state)
         }
 }
 
-/* Nothing passes through an opaque surface. */
+/* No light passes through an opaque surface. */
 static void below(void **state)
 {
     (void)state;
@@ -147,8 +148,8 @@ static void below(void **state)
     }
 }
 
-/* Draws from a table follow its weights, and none falls on a weight of 0. The second number tells columns
- * apart for which the first has no bits. */
+/* Draws from an alias table follow its weights, and none falls on a weight of 0. The second number tells
+ * apart columns that the bits of the first cannot. */
 static void tables(void **state)
 {
     (void)state;
@@ -178,7 +179,7 @@ static void tables(void **state)
     assert_int_equal(rnd_alias_draw(&alias, 0x1.fffffep-1f, 0x1.fffffep-1f), 0);
     rnd_alias_finish(&alias);
 
-    /* as many columns as an environment map of 8192 x 4096 has, all alike */
+    /* as many columns as an environment map of 8192 x 4096 has, all with the same weight */
     const uint32_t large = 1u << 25;
     alias = (struct rnd_alias){.count = large, .entry = malloc(large * sizeof *alias.entry)};
     assert_non_null(alias.entry);

@@ -1,4 +1,4 @@
-/* Surfaces of every kind for tests of BSDFs, and whether their draws follow their density. */
+/* Surfaces of every kind for the tests of BSDFs, and a check that draws follow their density. */
 #ifndef FOVEAD_TESTS_RENDERER_BSDF_H
 #define FOVEAD_TESTS_RENDERER_BSDF_H
 
@@ -30,10 +30,10 @@ struct case_of_bsdf {
     bool thin, back;         /* hit from the back */
     float coat, coat_roughness, coat_tilt_deg;
     float sheen, sheen_roughness;
-    float bend_deg; /* of the shading normal, away from the triangle's */
+    float bend_deg; /* angle from the triangle's normal to the shading normal */
 };
 
-/* Two unit vectors that make an orthonormal right-handed frame with n (Duff et al. 2017). */
+/* Make out_x and out_y form an orthonormal right-handed frame with n (unit; Duff et al. 2017). */
 static inline void frame_of(vec3s n, vec3s *out_x, vec3s *out_y)
 {
     const float sign = copysignf(1.0f, n.z), a = -1.0f / (sign + n.z), b = n.x * n.y * a;
@@ -41,8 +41,7 @@ static inline void frame_of(vec3s n, vec3s *out_x, vec3s *out_y)
     *out_y = (vec3s){{b, sign + n.y * n.y * a, -n.y}};
 }
 
-/* A surface whose normal is oblique in the world, so that its frame is tried too. */
-/* Glass of this kind, made once. */
+/* Glass of this kind, which is made once. */
 static inline const struct rnd_glass *glass_of(float ior, float roughness)
 {
     enum { MOST = 64 };
@@ -60,6 +59,7 @@ static inline const struct rnd_glass *glass_of(float ior, float roughness)
     return made[i].glass;
 }
 
+/* Make the surface of a case. Its normal is oblique in the world, so that its frame is tested too. */
 static inline void make(const struct case_of_bsdf *from, float base, struct rnd_material *material,
                         struct rnd_surface *out)
 {
@@ -97,7 +97,7 @@ static inline void make(const struct case_of_bsdf *from, float base, struct rnd_
         .between = rnd_interface_in_air(material, !from->back)};
 }
 
-/* A direction by cosine to the surface's normal and azimuth around it. */
+/* The direction with this cosine to the shading normal and this azimuth around it. */
 static inline vec3s direction(const struct rnd_surface *s, double cosine, double azimuth)
 {
     vec3s x, y;
@@ -108,7 +108,7 @@ static inline vec3s direction(const struct rnd_surface *s, double cosine, double
     return glms_vec3_normalize(glms_vec3_muladds(y, (float)(sine * sin(azimuth)), d));
 }
 
-/* A surface's closure seen from wo: evaluated, and sampled. */
+/* Evaluate and sample the closure of a surface that is seen from wo. */
 static inline vec3s bsdf(const struct rnd_surface *s, vec3s wo, vec3s wi, float *out_pdf)
 {
     struct rnd_closure closure;
@@ -124,7 +124,8 @@ static inline bool bsdf_sample(const struct rnd_surface *s, vec3s wo, const floa
     return rnd_closure_sample(&closure, u, out);
 }
 
-/* The sphere in cells, whose rows are even in the angle from the normal, so that narrow lobes have some. */
+/* The sphere is divided into cells. Rows are even in the angle from the normal, so that narrow lobes cover
+ * some. */
 enum { ROWS = 48, COLUMNS = 24, CELLS = ROWS * COLUMNS };
 
 static inline int cell_of(const struct rnd_surface *s, vec3s wi)
@@ -137,7 +138,8 @@ static inline int cell_of(const struct rnd_surface *s, vec3s wi)
     return (row < ROWS ? row : ROWS - 1) * COLUMNS + column % COLUMNS;
 }
 
-/* Mass of the stated density in each cell, midpoint rule of up x around places; their sum is returned. */
+/* Integrate the stated density over each cell, by the midpoint rule with up x around points. Returns their
+ * sum. */
 static inline double masses(const struct rnd_surface *s, vec3s wo, int up, int around, double mass[CELLS])
 {
     const double step_t = M_PI / (ROWS * up), step_a = 2.0 * M_PI / (COLUMNS * around);
@@ -164,8 +166,9 @@ static inline bool draw(const struct rnd_surface *s, vec3s wo, uint32_t stream, 
     return bsdf_sample(s, wo, u, out);
 }
 
-/* The density integrates to the share of draws that give a direction (a microfacet may send the rest where
- * they cannot be), the draws follow it, and a draw's weight is BSDF over density. Returns the integral. */
+/* Check that the density integrates to the share of draws that give a direction (a microfacet may reflect the
+ * others below the surface), that draws follow it, and that a draw's weight is BSDF over density. Returns the
+ * integral. */
 static inline double assert_draws_follow_density(const struct case_of_bsdf *c, double angle_deg, int up,
                                                  int around, uint32_t stream)
 {

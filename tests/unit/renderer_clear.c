@@ -1,4 +1,4 @@
-/* The option clear_glass: light reaches a surface straight through glass. Where light really passes straight,
+/* The option clear_glass: light reaches a surface straight through glass. Where glass does not turn light,
  * the picture is the same as without the option; elsewhere the bias is printed and limited. */
 #include "renderer_parts.h"
 
@@ -19,7 +19,7 @@ static struct rnd_scene *load(const char *path, const char *env, const float *su
     return scene;
 }
 
-/* A floor of albedo 1/2 under a slab of MTL glass, 0.2 m thick; camera between. */
+/* Write a floor of albedo 1/2 under a slab of MTL glass, 0.2 m thick; the camera is between them. */
 static const char *slab(const char *glass)
 {
     char text[2000] = "mtllib slab.mtl\nusemtl floor\nv -900 0 -900\nv 900 0 -900\nv 900 0 900\n"
@@ -32,7 +32,7 @@ static const char *slab(const char *glass)
     return files_text("slab.obj", text);
 }
 
-/* Glass of index 1 bends and reflects nothing: it only tints the light of sky and sun, on the floor and for a
+/* Glass of index 1 neither bends nor reflects light. It only tints sky and sun, both on the floor and for a
  * camera that looks up. */
 static void index_of_one(void **state)
 {
@@ -56,7 +56,7 @@ static void index_of_one(void **state)
     }
 }
 
-/* Radiance of the floor around the nadir, with clear glass and without. */
+/* Radiance of the floor below the camera: out[0] without clear glass, out[1] with it. */
 static void both(const char *path, const char *env, const float *sun, const float *camera, uint32_t paths,
                  double out[2])
 {
@@ -68,7 +68,7 @@ static void both(const char *path, const char *env, const float *sun, const floa
     }
 }
 
-/* A slab of index 1.5 is exact: a ray through it is shifted, and not turned. */
+/* Through a slab of index 1.5 the option is exact: a slab shifts rays and does not turn them. */
 static void slab_of_glass(void **state)
 {
     (void)state;
@@ -83,7 +83,7 @@ static void slab_of_glass(void **state)
     }
 }
 
-/* Glass of that roughness above a floor: two squares, or one that is thin. */
+/* Write glass of this roughness above a floor: two squares, or one that is thin. */
 static const char *rough_glass(double roughness, bool thin)
 {
     static const struct files_part part[] = {FILES_SQUARE};
@@ -102,13 +102,13 @@ static const char *rough_glass(double roughness, bool thin)
                        materials, "", part, 3);
 }
 
-/* Rough glass is treated as smooth, which changes little up to the limit of roughness; rougher glass is not.
- */
+/* Up to a limit of roughness, rough glass counts as clear, which changes the picture little. Rougher glass
+ * does not. */
 static void rough_slab(void **state)
 {
     (void)state;
     static const struct {
-        double roughness, sun, sky; /* and how much either may be off */
+        double roughness, sun, sky; /* sun, sky: the largest relative error under each */
     } cases[] = {{0.05, 0.02, 0.02}, {0.25, 0.05, 0.1}, {0.4, 0, 0}};
     static const float sun[4] = {20, 50, 3, 40}, camera[3] = {0, 0.5f, 0};
     const char *env = files_env("sky.exr", 0.75f);
@@ -152,7 +152,8 @@ static void sphere(char *text, size_t size, const char *material, double y, doub
         }
 }
 
-/* A bulb that hangs in a room, small enough for its light to be known, and large enough to be found. */
+/* A glass bulb hangs in a room. Its emitter is small enough that straight light is nearly right, and large
+ * enough for paths to find it. */
 static void bulb(void **state)
 {
     (void)state;

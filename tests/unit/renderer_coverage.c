@@ -1,8 +1,8 @@
-/* Coverage of sheets, their backs, and textures without filter. */
+/* Coverage of sheets, backs of sheets, and unfiltered textures. */
 #include "renderer_materials.h"
 
-/* A black sheet at y = 0 under a white sky: what is seen of the sky below it, to the left and to the right.
- */
+/* Check how much of a white sky shows to the left and to the right through a black sheet that lies at y = 0
+ * below the camera. */
 static void assert_seen(const char *material, double left, double right, double tolerance)
 {
     write_halves("halves.png", 0, 0.75f);
@@ -36,7 +36,7 @@ static void coverage(void **state)
     assert_seen(BLACK("BLEND", "1", ""), 0, 0, 1e-6);
 }
 
-/* A floor that gets its light through a wide sheet above it, by shadow rays; the camera is in between. */
+/* A floor is lit by shadow rays through a wide sheet above it. The camera is between them. */
 static void coverage_of_shadows(void **state)
 {
     (void)state;
@@ -50,8 +50,9 @@ static void coverage_of_shadows(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* A grey sheet under a white sky that has one side, on a floor of the same: a camera below the sheet sees the
- * sky through its back, and a floor that the sheet shades; what is mirrored shows its other side. */
+/* A grey single-sided sheet above a single-sided floor, under a white sky. A camera between them sees the sky
+ * through the sheet's back, and the floor is in the sheet's shadow. Mirroring the sheet shows its other side.
+ */
 static void backs(void **state)
 {
     (void)state;
@@ -85,8 +86,8 @@ static void backs(void **state)
     }
 }
 
-/* Two texels, seen between the middle of the dark one and their border: NEAREST shows only the dark one, as
- * emission, as colour of each kind of material, and as coverage. */
+/* A texture of a dark and a bright texel, seen between the middle of the dark one and their border. With
+ * NEAREST only the dark texel shows: as emission, as colour of each kind of material, and as coverage. */
 static void nearest(void **state)
 {
     (void)state;
@@ -118,8 +119,7 @@ static void nearest(void **state)
                                                                                : 1),
                                                  NULL, (float[]){-1, 1, 0});
             const double seen = files_radiance(scene, "fv", i == 0 ? 1 : 0, 40000, &down, 5, NULL);
-            /* the cover of a white surface under a sky of 1/2 is no matter, and its emission is that of one
-             */
+            /* Under a sky of 1/2, a white surface shows 1/2 whatever its coverage. */
             const double dark = i == 3 ? 0.5 : 0, mixed = i == 3 ? 0.5 : 0.25;
             if (!(fabs(seen - (filter == 9728 ? dark : mixed)) < files_off(0.02)))
                 fail_msg("material %d, filter %d: %g", i, filter, seen);

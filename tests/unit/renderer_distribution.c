@@ -1,5 +1,5 @@
 /* Where samples fall: the acuity model and its inversions, and every distribution against its stated density.
- * The random numbers are not those of the renderer's sampler; their seeds are fixed. */
+ * Random numbers are the test's own, from fixed seeds, and not the renderer's. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,7 +19,7 @@
 
 static const double deg = M_PI / 180.0;
 
-/* --- the acuity model: quadrature of rnd_acuity() itself, so that no closed form vouches for itself --- */
+/* --- the acuity model, checked by quadrature of rnd_acuity() itself, not by closed forms --- */
 
 /* Integral of 2 pi e m(e) from a to b degrees, by the midpoint rule. */
 static double acuity_mass(double a, double b)
@@ -40,7 +40,8 @@ static double acuity_total(void)
     return total;
 }
 
-/* Eccentricity at which the exact integral reaches u of its total: bisection over the quadrature. */
+/* The eccentricity at which the integral reaches the share u of its total, by bisection over the quadrature.
+ */
 static double eccentricity_by_quadrature(double u, const double cumulative[81])
 {
     const double h = u * cumulative[80];
@@ -91,7 +92,8 @@ static void exact_inverse(void **state)
     assert_float_equal(rnd_eccentricity_exact(0), 0, 0);
 }
 
-/* Koskela 2018 eq. 7 against the exact inverse: within 0.030 degrees, at the outer end, and 0.23 %. */
+/* The polynomial of Koskela 2018, eq. 7, differs from the exact inverse by at most 0.030 degrees, at the
+ * outer end, and by at most 0.23 %. */
 static void polynomial_fit(void **state)
 {
     (void)state;
@@ -108,10 +110,10 @@ static void polynomial_fit(void **state)
                   degrees, 100.0 * relative, gap);
     assert_true(degrees < 0.0301);
     assert_true(relative < 0.0023);
-    assert_true(gap > 0.004 && gap < 0.005); /* nothing falls there */
+    assert_true(gap > 0.004 && gap < 0.005); /* no draw falls into the gap */
 }
 
-/* Stated density of a distribution at e degrees from its gaze, as a density per degree. */
+/* The stated density of a distribution e degrees from its gaze, per degree of eccentricity. */
 static double per_degree_spread(const struct rnd_distribution *distribution, double e_deg, float times)
 {
     const struct rnd_aim aim = {.gaze = {0, 0, -1}, .view = {0, 0, 0, 1}, .fov = {1, 1}, .spread = times};
@@ -124,10 +126,10 @@ static double per_degree(const struct rnd_distribution *distribution, double e_d
     return per_degree_spread(distribution, e_deg, 0);
 }
 
-/* The density that the polynomial implies, over 2 pi e / h(80), is an acuity of its own. Koskela 2018 states
- * 1.8 % as its largest difference from eq. 1. That holds, relative and absolute, from 6.2 degrees on; just
- * outside the fovea, where the quartic's slope makes up for the gap between the branches, it is 2.5 %. The
- * integral of the difference is under 0.04 % as stated. */
+/* Divided by 2 pi e / h(80), the density that the polynomial implies is itself an acuity. Koskela 2018 states
+ * that it differs from eq. 1 by 1.8 % at most. From 6.2 degrees on that is true of both relative and absolute
+ * differences; just outside the fovea, where the quartic's slope makes up for the gap between the branches,
+ * it is 2.5 %. The integral of the difference is below 0.04 %, as the paper states. */
 static void polynomial_acuity(void **state)
 {
     (void)state;
@@ -135,7 +137,7 @@ static void polynomial_acuity(void **state)
     const double total = acuity_total(), inner = rnd_eccentricity_polynomial(0.0965f),
                  outer = rnd_eccentricity_polynomial(nextafterf(0.0965f, 1.0f)),
                  end = rnd_eccentricity_polynomial(0x1.fffffep-1f), step = 0.001;
-    double relative[3] = {0}, difference = 0.0, sum = 0.0; /* fovea, to 6.2 degrees, beyond */
+    double relative[3] = {0}, difference = 0.0, sum = 0.0; /* in the fovea, up to 6.2 degrees, beyond */
     for (double e = 0.05; e < end; e += step) {
         const double m = rnd_acuity((float)e), fit = per_degree(fv, e) * total / (2.0 * M_PI * e);
         difference += (fit - m) * step;
@@ -171,9 +173,9 @@ static void polynomial_draws(void **state)
     assert_true(p > LEAST_P);
 }
 
-/* Acuity capped by a display: flat up to where the eye resolves no more than it shows (25.5 degrees at 12
- * pixels per degree: 7.49 / (0.3 e + 1)^2 = 6 / 60), then as ever; a display that is finer than the eye
- * changes nothing. */
+/* A display caps the acuity: the density is flat as far as the eye resolves more than the display shows (to
+ * 25.5 degrees at 12 pixels per degree: 7.49 / (0.3 e + 1)^2 = 6 / 60), and follows the acuity beyond. A
+ * display that is finer than the eye changes nothing. */
 static void capped_by_display(void **state)
 {
     (void)state;
@@ -185,7 +187,7 @@ static void capped_by_display(void **state)
         rnd_direction(place_deg[i] * (float)M_PI / 180, 0, direction);
         density[i] = d->density(&aim, direction) * sinf(place_deg[i] * (float)M_PI / 180) / place_deg[i];
     }
-    /* per degree of eccentricity and unit of e: proportional to min(m, cap) */
+    /* density per degree of eccentricity, divided by e: proportional to min(m, cap) */
     assert_float_equal(density[1] / density[0], 1, 1e-4);
     assert_float_equal(density[2] / density[0], 1, 1e-4);
     assert_float_equal(density[3] / density[0], rnd_acuity(50) / 0.1, 1e-4);
@@ -197,8 +199,8 @@ static void capped_by_display(void **state)
     assert_float_equal(outer[0] / outer[1], 1, 1e-6);
 }
 
-/* With a spread of s the density is that of acuity m(e / s), over the same 80 degrees, and draws follow it in
- * fine bins. A spread of 1 or less changes no bit of what is drawn. */
+/* With a spread of s the density is that of acuity m(e / s) over the same 80 degrees, and draws follow it in
+ * fine bins. A spread of 1 or less changes no bit of the draws. */
 static void wider(void **state)
 {
     (void)state;
@@ -249,13 +251,14 @@ struct named_aim {
     struct rnd_aim aim;
 };
 
-/* The view is turned by yaw (to the left), pitch (up) and roll, degrees; the gaze is given apart. */
+/* An aim whose view is turned by yaw (to the left), pitch (up) and roll, in degrees. The gaze is independent
+ * of the view, in the world frame. */
 static struct rnd_aim aim_of(double yaw, double pitch, double roll, double fov_x, double fov_y,
                              const double gaze[3])
 {
     const double a = 0.5 * yaw * deg, b = 0.5 * pitch * deg, c = 0.5 * roll * deg,
                  l = sqrt(gaze[0] * gaze[0] + gaze[1] * gaze[1] + gaze[2] * gaze[2]);
-    /* (0, sin a, 0, cos a) (sin b, 0, 0, cos b) (0, 0, sin c, cos c) */
+    /* product of the quaternions (0, sin a, 0, cos a), (sin b, 0, 0, cos b), (0, 0, sin c, cos c) */
     const double x = cos(a) * sin(b), y = sin(a) * cos(b), z = -sin(a) * sin(b), w = cos(a) * cos(b);
     return (struct rnd_aim){.gaze = {(float)(gaze[0] / l), (float)(gaze[1] / l), (float)(gaze[2] / l)},
                             .view = {(float)(x * cos(c) + y * sin(c)), (float)(y * cos(c) - x * sin(c)),
@@ -265,14 +268,14 @@ static struct rnd_aim aim_of(double yaw, double pitch, double roll, double fov_x
 
 enum { AIMS = 13, AIM_STEP = SANITIZED ? 4 : 1 };
 
-/* The same with a fovea that is wider. */
+/* The same aim with a fovea `times` as wide. */
 static struct rnd_aim spread(struct rnd_aim aim, float times)
 {
     aim.spread = times;
     return aim;
 }
 
-/* The same for a display of so many pixels per degree. */
+/* The same aim for a display of this many pixels per degree. */
 static struct rnd_aim shown(struct rnd_aim aim, float pixels_per_degree)
 {
     aim.pixels_per_degree = pixels_per_degree;
@@ -302,8 +305,8 @@ static void make_aims(struct named_aim aims[AIMS])
 
 enum { ROWS = 18, COLUMNS = 36, CELLS = ROWS * COLUMNS, DRAWN = 200000 };
 
-/* Mass of the stated density in a cell of the equirectangular image: midpoint rule, parts x parts. *out_zero
- * is how many of the places have no density. */
+/* Integrate the stated density over a cell of the equirectangular image, by the midpoint rule with parts x
+ * parts points. *out_zero is at how many of these points the density is 0. */
 static double cell_mass(const struct rnd_distribution *distribution, const struct rnd_aim *aim, int cell,
                         int parts, int *out_zero)
 {
@@ -321,7 +324,8 @@ static double cell_mass(const struct rnd_distribution *distribution, const struc
     return sum * 2.0 * M_PI * M_PI / ((double)CELLS * parts * parts);
 }
 
-/* All cells; finer where the edge of what is drawn goes through a cell. The sum is returned. */
+/* Integrate over all cells, with more points in cells that the edge of the distribution crosses. Returns the
+ * sum. */
 static double cell_masses(const struct rnd_distribution *distribution, const struct rnd_aim *aim,
                           double mass[CELLS])
 {
@@ -349,8 +353,8 @@ static void assert_unit(const float d[3])
     assert_true(fabs(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - 1.0) < 2e-6);
 }
 
-/* Draws of a distribution fall in the cells of the image as its stated density says, the density integrates
- * to one, and every draw is a unit vector where the density is not zero. */
+/* The draws of a distribution fall into the cells of the image as its stated density says, the density
+ * integrates to one, and every draw is a unit vector at which the density is not 0. */
 static void assert_follows(const struct rnd_distribution *distribution, const struct named_aim *at,
                            uint32_t stream)
 {
@@ -366,7 +370,7 @@ static void assert_follows(const struct rnd_distribution *distribution, const st
         outside += distribution->density(&at->aim, place + 3 * i) == 0.0f;
         count[cell_of(place + 3 * i)]++;
     }
-    assert_true(outside < DRAWN / 100000); /* none but what rounding moved over the edge */
+    assert_true(outside < DRAWN / 100000); /* only draws that rounding moved across the edge */
     for (int i = 0; i < CELLS; i++) mass[i] *= DRAWN / sum;
     const double p = stat_chi_square_p(count, mass, CELLS);
     print_message("%-8s %-8s: p %.3f, integral %.5f\n", distribution->name, at->name, p, sum);
@@ -385,7 +389,7 @@ static void sphere(void **state)
             assert_follows(rnd_distribution_at(k), &aims[i], stream + (uint32_t)i);
 }
 
-/* The corners of the unit square are directions too. */
+/* The corners of the unit square also give unit vectors. */
 static void corners(void **state)
 {
     (void)state;
@@ -400,7 +404,7 @@ static void corners(void **state)
         }
 }
 
-/* The azimuth around the gaze is uniform for the foveated ones, whatever the gaze. */
+/* The foveated distributions are uniform in the azimuth around the gaze, whatever the gaze. */
 static void azimuth(void **state)
 {
     (void)state;
@@ -413,7 +417,7 @@ static void azimuth(void **state)
         for (int i = 0; i < AIMS; i += AIM_STEP) {
             const float *g = aims[i].aim.gaze;
             double count[BINS] = {0}, expected[BINS];
-            /* any two axes across the gaze: from the world axis that is farthest from it */
+            /* two axes perpendicular to the gaze, made from a world axis that is far from it */
             const int far = fabsf(g[0]) < 0.6f ? 0 : 1;
             double x[3], y[3], l = 0.0;
             for (int c = 0; c < 3; c++) x[c] = (c == far) - g[far] * g[c];

@@ -1,5 +1,5 @@
-/* Uneven emissive surfaces: with holes, with coverage of one half, or bright only in places. Their light is
- * the same by all ways of finding it, and a small bright spot is found as soon as a large area. */
+/* Uneven emissive surfaces: with holes, with a coverage of one half, or bright only in places. All ways of
+ * finding their light give the same result, and a small bright spot is found as soon as a large area. */
 #include "renderer_parts.h"
 
 #include "light/light.h"
@@ -10,7 +10,7 @@ enum { DRAWS = 200000, RAYS = 1000000 };
 
 static const char floor_material[] = FILES_GREY;
 
-/* A mean, and its standard error. */
+/* A mean and its standard error. */
 struct mean {
     double sum, squares;
     uint32_t count;
@@ -36,7 +36,7 @@ static double mean_error(const struct mean *m)
 
 /* --- images --- */
 
-/* Black but for a bright square of side texels, in an image of size x size. */
+/* Write an image of size x size that is black except for a bright square of side x side texels. */
 static void write_spot(const char *name, int size, int side)
 {
     static float rgb[512 * 512 * 3];
@@ -51,7 +51,7 @@ static void write_spot(const char *name, int size, int side)
     if (!files_image(files_path(name), size, size, rgb, false, error)) fail_msg("%s", error);
 }
 
-/* Alpha that falls from left to right, with holes in it. */
+/* Write an image whose alpha falls from left to right, with holes in it. */
 static void write_holes(const char *name)
 {
     enum { SIDE = 12 };
@@ -66,9 +66,9 @@ static void write_holes(const char *name)
     files_pixels(files_path(name), "png", SIDE, SIDE, 4, rgba, data);
 }
 
-/* --- the same light in three ways --- */
+/* --- the same light found in three ways --- */
 
-/* Radiance of the floor at the origin, by lights that are drawn: what of them is seen. */
+/* Radiance of the floor at the origin, from drawn lights and how much of them is visible. */
 static struct mean by_lights(const struct rnd_scene *scene)
 {
     struct mean mean = {0};
@@ -87,7 +87,7 @@ static struct mean by_lights(const struct rnd_scene *scene)
     return mean;
 }
 
-/* By directions of the floor: what they hit. */
+/* The same from directions that the floor draws, and what they hit. */
 static struct mean by_directions(const struct rnd_scene *scene)
 {
     struct mean mean = {0};
@@ -113,8 +113,8 @@ static struct mean by_directions(const struct rnd_scene *scene)
     return mean;
 }
 
-/* Check that all three are one, and that value unless it is negative. Returns the relative deviation of one
- * light that is drawn. */
+/* Check that lights, directions and a render give the same radiance, and that it is `expected` unless that is
+ * negative. Returns the relative standard deviation of one drawn light. */
 static double check(const char *what, const char *path, double expected)
 {
     struct rnd_scene *scene = files_load(path, NULL, NULL, (float[]){0, 0.01f, 0});
@@ -132,7 +132,7 @@ static double check(const char *what, const char *path, double expected)
     return deviation;
 }
 
-/* An emitter of 2 x 2 m, 1.5 m above the floor, of that glTF material but for its black base. */
+/* Write an emitter of 2 x 2 m, 1.5 m above the floor, with this glTF material. */
 static const char *emitter(const char *material, const char *attributes, const char *more)
 {
     static const float colours[16] = {1, 1, 1, 0, 1, 1, 1, 0.5f, 1, 1, 1, 1, 1, 1, 1, 0.25f};
@@ -160,7 +160,7 @@ static const char *emitter(const char *material, const char *attributes, const c
     "\"pbrMetallicRoughness\":{\"baseColorFactor\":[0,0,0,1],\"metallicFactor\":0,"                          \
     "\"baseColorTexture\":{\"index\":0}}"
 
-/* Both images as textures, with this sampler. */
+/* JSON of both images as textures with this sampler. */
 static const char *images(const char *wrap)
 {
     static char text[400];
@@ -171,7 +171,7 @@ static const char *images(const char *wrap)
     return text;
 }
 
-/* Of the square, seen from below its middle (Howell's catalogue, B-3). */
+/* Radiance of the floor below the middle of the whole square (Howell's catalogue, B-3). */
 static double whole(void)
 {
     const double a = 1 / 1.5, p = sqrt(1 + a * a);
@@ -196,7 +196,7 @@ static void coverage(void **state)
           emitter("\"alphaMode\":\"MASK\",\"alphaCutoff\":0.3," HOLES, ",\"COLOR_0\":3", repeat), -1);
 }
 
-/* The same of an OBJ: Ke with d, and with map_d. */
+/* The same in an OBJ: Ke with d and with map_d. */
 static void dissolved(void **state)
 {
     (void)state;
@@ -215,7 +215,8 @@ static void dissolved(void **state)
     }
 }
 
-/* Bright spots, wherever wrapping and transforms put them, and under holes at other places. */
+/* Bright spots are found wherever wrapping and transforms put them, and also where another texture cuts
+ * holes. */
 static void textured(void **state)
 {
     (void)state;
@@ -229,7 +230,7 @@ static void textured(void **state)
         const char *more = images(wraps[k]);
         assert_true(check(k ? "spot, mirrored and clamped" : "spots, repeated",
                           emitter(transformed, "", more), -1) < 2);
-        /* by quadrature of the bilinear texture over the square */
+        /* expected value by quadrature of the bilinear texture over the square */
         assert_true(check("a spot", emitter(BLACK("1") ",\"emissiveTexture\":{\"index\":1}", "", more),
                           0.031948) < 2);
         check("a spot, with holes",
@@ -240,7 +241,7 @@ static void textured(void **state)
     }
 }
 
-/* One bright texel of a quarter of a million is drawn like a separate light. */
+/* A single bright texel out of a quarter of a million is drawn like a separate light. */
 static void tiny_spot(void **state)
 {
     (void)state;
@@ -250,7 +251,7 @@ static void tiny_spot(void **state)
         files_load(emitter(BLACK("1") ",\"emissiveTexture\":{\"index\":1}", "", images("\"wrapS\":10497")),
                    NULL, NULL, (float[]){0, 0.01f, 0});
     const struct mean lights = by_lights(scene);
-    /* A bilinear texel: its own area, in the plane 1.5 m above, where the spot is. */
+    /* Integrated, a bilinear texel has its own area. It is in the plane 1.5 m above, where the spot is. */
     const double side = 2.0 / 512, x = (320.5 / 512 - 0.5) * 2, z = (102.5 / 512 - 0.5) * 2,
                  square = x * x + z * z + 1.5 * 1.5,
                  expected = 0.5 / M_PI * 10 * side * side * 1.5 * 1.5 / (square * square),
@@ -259,7 +260,7 @@ static void tiny_spot(void **state)
                   expected, deviation, scene->lights.area_count);
     rnd_scene_destroy(scene);
     assert_true(fabs(mean_of(&lights) / expected - 1.0) < 0.02);
-    assert_true(deviation < 1.5); /* 500 if it were drawn evenly */
+    assert_true(deviation < 1.5); /* it would be 500 if texels were drawn evenly */
 }
 
 int main(void)

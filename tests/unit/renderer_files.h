@@ -1,6 +1,5 @@
-/* Small scenes for tests of the renderer: a directory of their own, OBJ boxes, glTF with its buffer inside,
- * and what a render of them shows in a cone of directions.
- */
+/* Small scenes for tests of the renderer: a directory for them, OBJ boxes, glTF with an embedded buffer, and
+ * the mean radiance that a render shows in a cone of directions. */
 #ifndef FOVEAD_TESTS_RENDERER_FILES_H
 #define FOVEAD_TESTS_RENDERER_FILES_H
 
@@ -26,7 +25,7 @@
 static char files_directory[64];
 static struct rnd_image_program *files_image_program_started;
 
-/* The program that reads pictures takes long to start: one is enough for all scenes of a test. */
+/* The program that reads pictures is slow to start, so all scenes of a test share one. */
 static inline struct rnd_image_program *files_image_program(void)
 {
     if (!files_image_program_started) files_image_program_started = rnd_image_program_create();
@@ -54,7 +53,7 @@ static inline int files_teardown(void **state)
     return nftw(files_directory, files_remove, 8, FTW_DEPTH | FTW_PHYS);
 }
 
-/* Path of a file of that name; valid until the sixteenth call after. */
+/* The path of a file with this name. It is valid until the sixteenth call after this one. */
 static inline const char *files_path(const char *name)
 {
     static char path[16][512];
@@ -97,15 +96,15 @@ static inline size_t files_chunk(uint8_t *to, const char *name, const void *data
     return 12 + count;
 }
 
-/* A PNG of 2 x 1 pixels, alike, all four channels of that value: 8 or 16 bits; gamma is 100000 times what
- * its gAMA chunk says, 0: it has none. At most 128 bytes into out; their number is returned. */
+/* Write a PNG of 2 x 1 equal pixels into `out`, with 8 or 16 bits; all four channels have this value. gamma
+ * is 100000 times the value of its gAMA chunk, or 0 for none. Returns the size, at most 128 bytes. */
 static inline size_t files_png_bytes(uint8_t *out, int bits, unsigned value, uint32_t gamma)
 {
     static const uint8_t signature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
     const uint8_t head[13] = {0, 0, 0, 2, 0, 0, 0, 1, (uint8_t)bits, 6},
                   exponent[4] = {(uint8_t)(gamma >> 24), (uint8_t)(gamma >> 16), (uint8_t)(gamma >> 8),
                                  (uint8_t)gamma};
-    const int row = 1 + bits; /* its filter, then two pixels of four channels */
+    const int row = 1 + bits; /* its filter byte, then two pixels of four channels */
     uint32_t a = 1, b = 0;    /* Adler-32 of the row */
     uint8_t data[7 + 17 + 4] = {0x78, 1, 1, (uint8_t)row, 0, (uint8_t)~row, 0xff}; /* zlib: stored */
     for (int i = 1; i < row; i++) data[7 + i] = (uint8_t)(bits == 16 && i % 2 ? value >> 8 : value);
@@ -125,7 +124,7 @@ static inline const char *files_png(const char *name, int bits, unsigned value, 
     return files_write(name, bytes, files_png_bytes(bytes, bits, value, gamma));
 }
 
-/* A picture: as rnd_image_write(), to a path. */
+/* Like rnd_image_write(), but to a path. */
 static inline bool files_image(const char *path, int width, int height, const float *rgb,
                                bool equirectangular, char out_error[RND_ERROR_SIZE])
 {
@@ -136,7 +135,7 @@ static inline bool files_image(const char *path, int width, int height, const fl
     return fclose(file) == 0 && good;
 }
 
-/* A constant environment map of that radiance. */
+/* Write an environment map of constant radiance. */
 static inline const char *files_env(const char *name, float radiance)
 {
     enum { WIDTH = 32, HEIGHT = 16 };
@@ -148,7 +147,7 @@ static inline const char *files_env(const char *name, float radiance)
     return path;
 }
 
-/* Append a closed box whose faces look outwards to the text of an OBJ. */
+/* Append a closed box to the text of an OBJ. Its faces look outwards. */
 static inline void files_box(char *text, size_t size, const char *material, const double low[3],
                              const double high[3])
 {
@@ -161,7 +160,7 @@ static inline void files_box(char *text, size_t size, const char *material, cons
              "f -8 -6 -5 -7\nf -4 -3 -1 -2\nf -8 -7 -3 -4\nf -6 -2 -1 -5\nf -8 -4 -2 -6\nf -7 -5 -1 -3\n");
 }
 
-/* Bytes as base64, at most 64 kB of them; valid until the next call. */
+/* Encode at most 64 kB as base64. The text is valid until the next call. */
 static inline const char *files_base64(const void *bytes, size_t count)
 {
     static const char digit[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -181,8 +180,8 @@ static inline const char *files_base64(const void *bytes, size_t count)
     return text;
 }
 
-/* Vertices and indices of a square in the plane y = 0, 2 half metres a side, that faces up, with texture
- * coordinates from 0 to 1 along x and z. */
+/* A square in the plane y = 0 that faces up, with sides of 2 half metres and texture coordinates from 0 to 1
+ * along x and z: its vertices and indices. */
 struct files_square {
     float vertex[20];
     uint16_t index[6];
@@ -195,9 +194,9 @@ static inline struct files_square files_square(float half)
         .index = {0, 1, 2, 0, 2, 3}};
 }
 
-/* The JSON of a glTF of that square, its length returned: nodes, materials and more are JSON: the nodes that
- * name mesh 0, the materials that the mesh names the first of, and whatever else with a comma before it. uri
- * is its buffer's, with a comma before it, or "". */
+/* Write the glTF of that square into text, and return its length. All parts are JSON: `nodes` name mesh 0,
+ * the mesh has the first of `materials`, `more` is anything else and begins with a comma, and `uri` is the
+ * key of the buffer's URI, which also begins with a comma, or "". */
 static inline size_t files_gltf_text(char *text, size_t size, float half, const char *nodes,
                                      const char *materials, const char *more, const char *uri)
 {
@@ -217,7 +216,7 @@ static inline size_t files_gltf_text(char *text, size_t size, float half, const 
         nodes, materials, -half, -half, half, half, uri, more);
 }
 
-/* As .gltf, its buffer inside as base64. */
+/* Write it as .gltf with its buffer embedded as base64. */
 static inline const char *files_gltf(const char *name, float half, const char *nodes, const char *materials,
                                      const char *more)
 {
@@ -229,7 +228,7 @@ static inline const char *files_gltf(const char *name, float half, const char *n
     return files_text(name, text);
 }
 
-/* As .glb, its buffer the second chunk. */
+/* Write it as .glb, whose second chunk is the buffer. */
 static inline const char *files_glb(const char *name, float half, const char *nodes, const char *materials,
                                     const char *more)
 {
@@ -245,8 +244,8 @@ static inline const char *files_glb(const char *name, float half, const char *no
     return files_write(name, bytes, 120 + json);
 }
 
-/* A room of 4 x 3 x 4 m around the origin with coloured walls, an emitter, a glossy box, a mirror and a glass
- * box. */
+/* Write a room of 4 x 3 x 4 m around the origin with coloured walls, an emitter, a glossy box, a mirror and a
+ * glass box. */
 static inline const char *files_room(const char *name)
 {
     static char text[8000];
@@ -282,7 +281,7 @@ static inline struct rnd_scene *files_load(const char *path, const char *env, co
     return scene;
 }
 
-/* Does the scene name a file that is this one, or would be? */
+/* Does the scene list this file among its files? The file need not exist. */
 static inline bool files_named(const struct rnd_scene_info *info, const char *path)
 {
     struct stat file, other;
@@ -305,15 +304,15 @@ static inline struct rnd_aim files_aim(double x, double y, double z)
                             .sequence = 1};
 }
 
-/* How far off a mean of many paths may be: four times as far where files_radiance() traces fewer. */
+/* The tolerance of a mean over many paths: four times as large where files_radiance() traces fewer. */
 static inline double files_off(double off)
 {
     return SANITIZED ? 4.0 * off : off;
 }
 
-/* Mean radiance of the paths that a render sends into the pixels whose middle is within a cone: half angle in
- * degrees (180: everywhere) around the gaze. Of more than 20,000 paths, a sanitized build traces one in
- * sixteen, but not fewer. */
+/* Render, and return the mean radiance of the pixels whose middle is in a cone around the gaze with a half
+ * angle of cone_deg (180: everywhere). A sanitized build traces a sixteenth of the paths, but at least one
+ * batch of 20,000. */
 static inline double files_radiance(const struct rnd_scene *scene, const char *distribution, int max_bounces,
                                     uint32_t paths, const struct rnd_aim *aim, double cone_deg,
                                     float out_rgb[3])

@@ -1,10 +1,10 @@
-/* The film: read at every level, judged, and saved. */
+/* The film: reading it at every level, judging it, and saving it. */
 #include "renderer_room.h"
 
 /* --- reading --- */
 
-/* Mean of a square of side x side values, from (x, y) on: that of those of its four quarters that have a
- * path. False if none has. */
+/* Mean of a square of side x side values whose corner is (x, y): the mean of those of its four quarters that
+ * have a path. Returns false if none has. */
 static bool square_mean(const double (*pixel)[4], int width, int x, int y, int side, double out[3])
 {
     if (side == 1) {
@@ -49,11 +49,11 @@ static void assert_state(const struct rnd_tile *whole, const struct rnd_tile *pa
     assert_int_equal(whole->gaze_sequence, sum.gaze_sequence);
 }
 
-/* Every level against the film: a tile shows the mean of its pixels. */
+/* Check at every level that a tile shows the mean of the film's pixels that it covers. */
 static void assert_levels(struct rnd_render *render)
 {
     static struct film film;
-    static double pixel[PIXELS][4]; /* mean, and how many pixels of the film it is of */
+    static double pixel[PIXELS][4]; /* mean, and over how many pixels of the film */
     static float rgb[RND_TILE * RND_TILE * 3];
     struct rnd_tile tiles[TILES], state;
     rnd_render_resolve(render, film.rgb, film.samples, NULL);
@@ -92,14 +92,14 @@ static void levels(void **state)
     assert_levels(render); /* empty */
     const struct rnd_aim aim = files_aim(1, 0.3, -1);
     struct rnd_batch batch;
-    rnd_render_batch(render, &aim, 0, 500, &batch); /* most tiles empty, and clocks at their very start */
+    rnd_render_batch(render, &aim, 0, 500, &batch); /* most tiles are empty, and clocks are at their start */
     assert_levels(render);
     look_around(render, 6, 5000);
     assert_levels(render);
     rnd_render_destroy(render);
 }
 
-/* A tile that no path reached says so. */
+/* A tile that no path has reached is reported as empty. */
 static void empty_tiles(void **state)
 {
     (void)state;
@@ -124,7 +124,7 @@ static void empty_tiles(void **state)
     rnd_render_destroy(render);
 }
 
-/* Sizes that halve to a broken tile stop before it, and wrong ones are refused with a line. */
+/* Levels end where halving the size would cut a tile. Wrong sizes are refused with one line. */
 static void sizes(void **state)
 {
     (void)state;
@@ -146,8 +146,8 @@ static void sizes(void **state)
     }
 }
 
-/* A film so large that a tile of its last level takes less than a pixel from each of the film's: above the
- * horizon it is white, below black. */
+/* A film so large that a tile of its last level has less than one pixel for each of the film's tiles. It is
+ * white above the horizon and grey below. */
 static void coarsest_level(void **state)
 {
     (void)state;
@@ -183,7 +183,7 @@ static void coarsest_level(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* Every cell of 16 x 16 pixels has a path after the outline, and just one. */
+/* After the outline, every cell of 16 x 16 pixels has exactly one path. */
 static void outline(void **state)
 {
     (void)state;
@@ -202,8 +202,7 @@ static void outline(void **state)
 
 /* --- judging --- */
 
-/* In a constant world there is no error at all, and still nothing is converged before every pixel has 16
- * paths. */
+/* A constant world has no error at all. Still, nothing is converged before every pixel has 16 paths. */
 static void converged(void **state)
 {
     (void)state;
@@ -238,7 +237,8 @@ static void converged(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* The stated error is the real one: against a picture with many more paths, relative to the tile's mean. */
+/* The error that is estimated from the half-buffers agrees with the true error, measured against a picture
+ * with many more paths. */
 static void error_is_true(void **state)
 {
     (void)state;
@@ -261,11 +261,13 @@ static void error_is_true(void **state)
     }
     print_message("root mean square error %.4f, by half-buffers %.4f\n", sqrt(measured / (W * H)),
                   sqrt(by_halves / (W * H)));
-    /* heavy tails of caustics make both estimates coarse; the halves' points are better than random apart */
+    /* Caustics have heavy tails, which make both errors imprecise; and the points of the half-buffers are
+     * better than random. */
     assert_true(by_halves > 0.6 * measured && by_halves < 2.5 * measured);
 }
 
-/* METHODS: the threshold at 20 pixels per degree is tabulated for contrast 1; the renderer keeps to half. */
+/* Thresholds by Geisler and Perry 1998 at 20 pixels per degree. The table is for contrast 1; the renderer
+ * takes half of them. */
 static void visible_error(void **state)
 {
     (void)state;
@@ -273,7 +275,7 @@ static void visible_error(void **state)
                                      {30, .583f}, {40, .763f}, {55, 1.04f}};
     for (size_t i = 0; i < sizeof table / sizeof *table; i++)
         assert_float_equal(2.0f * rnd_visible_error(table[i][0], 20), table[i][1], i < 1 ? 0.0006 : 0.007);
-    /* where the display resolves less than the eye, it is the display's own finest wave that counts */
+    /* If the display resolves less than the eye, its own finest wave counts. */
     const double f = 2.5, expected = 0.5 * 5 / (64 * sqrt(1.5 * M_PI) * f * exp(-0.106 * f));
     assert_float_equal(rnd_visible_error(0, 5), expected, 1e-5);
 }
@@ -285,11 +287,11 @@ static void settled(void **state)
     const float ppd = WIDTH / 360.0f;
     const struct rnd_aim ahead = files_aim(0, 0, -1), behind = files_aim(0, 0, 1);
     struct rnd_tile tile = {.samples = 1, .sure_error = 1.01f * rnd_visible_error(0, ppd)};
-    /* tile (4, 2) touches the middle of the film: forward */
+    /* Tile (4, 2) touches the middle of the film, which is forward. */
     assert_false(rnd_tile_settled(render, &tile, 4, 2, ahead.gaze));
     assert_true(rnd_tile_settled(render, &tile, 4, 2, behind.gaze));
-    assert_false(rnd_tile_settled(render, &tile, 0, 2, behind.gaze)); /* over the seam */
-    /* a gaze near the middle of an edge of tile (4, 2), inside it */
+    assert_false(rnd_tile_settled(render, &tile, 0, 2, behind.gaze)); /* across the seam */
+    /* a gaze inside tile (4, 2), near the middle of one of its edges */
     float inside[3];
     rnd_direction(3.0f * (float)M_PI / 180, -22.5f * (float)M_PI / 180, inside);
     assert_false(rnd_tile_settled(render, &tile, 4, 2, inside));

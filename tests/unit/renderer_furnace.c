@@ -1,10 +1,10 @@
-/* Scenes whose radiance is known in closed form: furnaces, suns, a rectangle of light, environments. */
+/* Scenes whose radiance is known in closed form: furnaces, suns, a rectangular emitter, environments. */
 #include "renderer_parts.h"
 
 static const double deg = M_PI / 180.0;
 
-/* Albedo 0.5 and emission 1 all around: 1 + 1/2 + 1/4 + ... = 2, and the sum of its first terms if bounces
- * are limited. */
+/* Albedo 0.5 and emission 1 everywhere: the radiance is 1 + 1/2 + 1/4 + ... = 2, or the first terms of that
+ * sum if bounces are limited. */
 static void closed_furnace(void **state)
 {
     (void)state;
@@ -27,7 +27,7 @@ static void closed_furnace(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* A convex grey thing in a white world: every face sees only sky. */
+/* A convex grey object in a white world: every face sees only the sky. */
 static void convex_in_white(void **state)
 {
     (void)state;
@@ -47,8 +47,7 @@ static void convex_in_white(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* An unlit surface shows its base colour where there is no light at all, and what it does not cover is black.
- */
+/* An unlit surface shows its base colour without any light. The rest of the picture is black. */
 static void unlit_without_light(void **state)
 {
     (void)state;
@@ -67,8 +66,8 @@ static void unlit_without_light(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* A plane under a sun of irradiance E at an elevation: albedo / pi E sin(elevation), whatever its diameter as
- * long as it is all above the horizon. */
+/* A sun of irradiance E above a plane gives a radiance of albedo / pi E sin(elevation), whatever its
+ * diameter, as long as all of it is above the horizon. */
 static void sun_on_plane(void **state)
 {
     (void)state;
@@ -88,8 +87,8 @@ static void sun_on_plane(void **state)
     }
 }
 
-/* The camera sees the disc itself with the radiance that gives the irradiance: E / (pi sin^2 r); and sees
- * nothing beside it. */
+/* The camera sees the sun's disc with the radiance that its irradiance implies, E / (pi sin^2 r), and nothing
+ * beside it. */
 static void sun_seen(void **state)
 {
     (void)state;
@@ -111,7 +110,7 @@ static double corner_form_factor(double a, double b)
     return (a / p * atan(b / p) + b / q * atan(a / q)) / (2.0 * M_PI);
 }
 
-/* A floor seen from a centimetre above, and a rectangle of light 1.5 m above it. */
+/* A floor seen from a centimetre above, under a rectangular emitter at a height of 1.5 m. */
 static void rectangle_of_light(void **state)
 {
     (void)state;
@@ -132,7 +131,7 @@ static void rectangle_of_light(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* The same far from the origin, where floats are coarse: an emitter must not stand in its own light. */
+/* The same far from the origin, where floats are coarse: the emitter must not be hidden by itself. */
 static void rectangle_far_away(void **state)
 {
     (void)state;
@@ -149,7 +148,7 @@ static void rectangle_far_away(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* A closed room with walls of 10 cm in a white world is dark inside, however far it is from the origin. */
+/* A closed room with walls of 12.5 cm in a white world is dark inside, however far it is from the origin. */
 static void dark_room_far_away(void **state)
 {
     (void)state;
@@ -173,8 +172,7 @@ static void dark_room_far_away(void **state)
     }
 }
 
-/* The file's camera, lights and instances move with a node that is far away; the picture is as near the
- * origin. */
+/* A far node takes along the file's camera, lights and meshes. The picture is the same as near the origin. */
 static void far_nodes(void **state)
 {
     (void)state;
@@ -199,12 +197,13 @@ static void far_nodes(void **state)
     }
 }
 
-/* Punctual lights of glTF over a floor of albedo 0.5: intensity / distance^2 at normal incidence, irradiance
- * of a directional one at 60 degrees from the normal, nothing outside of a spot's cone. */
+/* Punctual lights of glTF above a floor of albedo 0.5: intensity / distance^2 at normal incidence; a
+ * directional light at 60 degrees from the normal; no light outside the cone of a spot. */
 static void punctual(void **state)
 {
     (void)state;
-    /* A light shines along -Z of its node: turned by 30 degrees it comes from 60 degrees off the normal. */
+    /* A light shines along -Z of its node: when the node is turned by 30 degrees, it comes from 60 degrees
+     * off the normal. */
     static const struct {
         const char *what, *light, *place;
         double irradiance;
@@ -246,7 +245,7 @@ static void punctual(void **state)
     }
 }
 
-/* The sky of a map of integers is as bright as their sRGB says. */
+/* An environment map with integer pixels is as bright as their sRGB values say. */
 static void environments_of_integers(void **state)
 {
     (void)state;
@@ -262,7 +261,7 @@ static void environments_of_integers(void **state)
     }
 }
 
-/* Pixels that are no radiance are clamped, and the first is named by its column and row. */
+/* Pixels that cannot be a radiance are clamped, and a warning names the first by its column and row. */
 static void broken_environments(void **state)
 {
     (void)state;
@@ -270,7 +269,7 @@ static void broken_environments(void **state)
     static const struct {
         float value;
         const char *word;
-        double sky; /* expected in that pixel */
+        double sky; /* expected radiance of that pixel */
     } cases[] = {{-1, "x 4, y 1 is -1,", 0},
                  {NAN, "x 4, y 1 is ", 0},
                  {INFINITY, "x 4, y 1 is inf,", 65504},
@@ -300,8 +299,8 @@ static void broken_environments(void **state)
     }
 }
 
-/* An environment that is bright ahead alone, turned to the right: it is seen there, and lights a floor as
- * much. */
+/* An environment that is bright only ahead. Turned to the right, it is seen there, and lights a floor as much
+ * as before. */
 static void turned_environment(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* The hot loops' own arithmetic: sines by polynomials, fitted albedos of GGX against quadratures, and the
+/* The arithmetic of the hot loops: polynomials for sines, fitted albedos of GGX against quadratures, and the
  * white furnace of metallic-roughness at every roughness and angle. */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -25,8 +25,8 @@ static void turns(void **state)
     assert_true(worst < 3e-7);
 }
 
-/* E and the part of it that Schlick's term weighs, in doubles: midpoints over visible normals (Heitz 2014).
- */
+/* The albedo, and the part of it that Schlick's term weighs, in doubles: midpoint rule over visible normals
+ * (Heitz 2014). */
 static void quadrature(double cosine, double alpha, double *out_all, double *out_edge)
 {
     enum { UP = 200, AROUND = 160 };
@@ -77,7 +77,7 @@ static void albedos(void **state)
     assert_true(worst_mean < 0.003);
 }
 
-/* Mean weight of draws laid out evenly; white all over. */
+/* The mean weight of evenly spaced draws on a white surface. */
 static double furnace(float metallic, float roughness, double angle)
 {
     enum { SIDE = 128 };

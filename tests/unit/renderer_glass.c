@@ -1,7 +1,7 @@
 /* Glass, panes and metals, whose radiance is known in closed form. */
 #include "renderer_parts.h"
 
-/* Lossless glass in a world of constant radiance cannot be seen: what is not reflected is refracted. */
+/* In a world of constant radiance lossless glass is invisible: what it does not reflect it refracts. */
 static void invisible_glass(void **state)
 {
     (void)state;
@@ -14,7 +14,7 @@ static void invisible_glass(void **state)
     assert_within("glass slab, askew", files_radiance(scene, "fv", 0, 200000, &askew, 5, NULL), 0.75, 0.003);
     rnd_scene_destroy(scene);
 
-    /* a sphere of flat facets, whose corners trap some light for long */
+    /* a sphere of flat facets: some light is trapped at its corners for long */
     enum { AROUND = 64, DOWN = 32 };
     static char text[400000];
     size_t n = (size_t)sprintf(text, "mtllib slab.mtl\nusemtl m\n");
@@ -34,8 +34,8 @@ static void invisible_glass(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* An emitter behind a slab of glass in the dark: of its light all passes but what the two faces send back,
- * (1 - R) / (1 + R) with every reflection inside, R = 0.04. */
+/* An emitter behind a slab of glass, in the dark. All its light passes except what the two faces reflect:
+ * with all inner reflections (1 - R) / (1 + R), R = 0.04. */
 static void emitter_behind_glass(void **state)
 {
     (void)state;
@@ -50,7 +50,7 @@ static void emitter_behind_glass(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* Radiance of a metal plane in a white world, seen from its normal. */
+/* Radiance of a metal plane in a white world, seen along its normal. */
 static double metal(double roughness, const char *base, double cone_deg, float rgb[3])
 {
     char material[300];
@@ -66,7 +66,7 @@ static double metal(double roughness, const char *base, double cone_deg, float r
     return value;
 }
 
-/* A mirror has its base colour; a white metal returns all light, however rough. */
+/* A mirror shows its base colour. A white metal returns all light, however rough it is. */
 static void metals(void **state)
 {
     (void)state;
@@ -83,7 +83,7 @@ static void metals(void **state)
     }
 }
 
-/* A diffuse floor of .5, panes above it (and below), glass of 1.5 with that colour. */
+/* A diffuse floor of albedo 0.5 with panes above it (and below) of glass with index 1.5 and this colour. */
 static struct rnd_scene *under_panes(const char *nodes, const char *colour, const char *env, const float *sun)
 {
     static const struct files_part part[] = {FILES_SQUARE};
@@ -101,9 +101,10 @@ static struct rnd_scene *under_panes(const char *nodes, const char *colour, cons
 static const char pane_nodes[] =
     "{\"mesh\":0,\"scale\":[600,1,300],\"children\":[1]},{\"mesh\":1,\"translation\":[0,1,0]}";
 
-/* Sun through a clear pane on a floor below, once as a mesh of the world and once as an instance stretched
- * along two axes: 1 - R of it comes through, R by Fresnel at 60 degrees; and of what the floor gives back the
- * pane returns the mean of R over the hemisphere, 0.0918 for glass of 1.5 (Walsh 1926). */
+/* The sun shines through a clear pane on a floor. The pane is first a mesh of the world, then an instance
+ * that is stretched along two axes. 1 - R passes, where R is Fresnel's reflectance at 60 degrees. Of the
+ * light that the floor returns, the pane reflects the mean of R over the hemisphere, 0.0918 for index 1.5
+ * (Walsh 1926). */
 static void pane(void **state)
 {
     (void)state;
@@ -130,7 +131,8 @@ static void pane(void **state)
     }
 }
 
-/* A tinted pane gives each colour its share, of the sky that is seen and of what lights the floor. */
+/* A tinted pane takes its share of each colour, both of the sky that is seen through it and of the light on
+ * the floor. */
 static void tinted_pane(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* Loads glTF files for tests, and expects no warning, a warning, or an error. */
+/* Load glTF files in tests, and expect no warning, a warning, or an error. */
 #ifndef FOVEAD_TESTS_RENDERER_GLTF_H
 #define FOVEAD_TESTS_RENDERER_GLTF_H
 
@@ -9,7 +9,7 @@ static const char node[] = "{\"mesh\":0}", shining[] = "{\"emissiveFactor\":[1,1
 #define VEC3(n)               "\"componentType\":5126,\"count\":" #n ",\"type\":\"VEC3\""
 #define SCALARS(component, n) "\"componentType\":" #component ",\"count\":" #n ",\"type\":\"SCALAR\""
 
-/* Loads, without a word. */
+/* Load a scene that must not cause a warning. */
 static inline struct rnd_scene *load_quietly(const char *path)
 {
     struct rnd_scene *scene = files_load(path, files_env("env.exr", 1), NULL, NULL);
@@ -18,7 +18,7 @@ static inline struct rnd_scene *load_quietly(const char *path)
     return scene;
 }
 
-/* Loads, and warns with these words. */
+/* Load a scene whose warnings must contain these words. */
 static inline struct rnd_scene *load_warned(const char *path, const char *words)
 {
     struct rnd_scene *scene = files_load(path, files_env("env.exr", 1), NULL, NULL);

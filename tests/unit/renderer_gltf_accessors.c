@@ -1,8 +1,8 @@
-/* Numbers in glTF: all ways to write the same numbers give the same, and faults are named with their place in
- * the file. */
+/* Numbers in glTF: all ways to write the same numbers give the same result, and an error names the place of
+ * the fault in the file. */
 #include "renderer_gltf.h"
 
-/* Texture coordinates (0, 1/2), (1/2, 1) ... of all components, packed and at a stride of 8. */
+/* Texture coordinates (0, 1/2), (1/2, 1) ... in every component type, packed and with a stride of 8. */
 static void components(void **state)
 {
     (void)state;
@@ -45,7 +45,7 @@ static void components(void **state)
     }
 }
 
-/* Positions as integers (KHR_mesh_quantization), and indices of all widths. */
+/* Positions as integers (KHR_mesh_quantization), and indices of every width. */
 static void quantized(void **state)
 {
     (void)state;
@@ -70,7 +70,7 @@ static void quantized(void **state)
                         ",\"extensionsUsed\":[\"KHR_mesh_quantization\"],\"extensionsRequired\":["
                         "\"KHR_mesh_quantization\"]",
                         parts, 3);
-        if (i == 1) { /* four numbers are no position */
+        if (i == 1) { /* a position has three numbers, not four */
             assert_refused(path, "meshes[0].primitives[0].attributes.POSITION: expected an accessor of VEC3");
             continue;
         }
@@ -82,7 +82,7 @@ static void quantized(void **state)
     }
 }
 
-/* Sparse elements, of an accessor with bytes and of one without; and of an animation. */
+/* Sparse elements of an accessor with bytes, of one without, and of an animation. */
 static void sparse(void **state)
 {
     (void)state;
@@ -113,7 +113,7 @@ static void sparse(void **state)
     NEAR(p[0], -1), NEAR(p[1], 7), NEAR(p[3], -5), NEAR(p[4], 8), NEAR(p[5], 5), NEAR(p[6], 1), NEAR(p[9], 5);
     rnd_scene_destroy(scene);
 
-    /* sparse over nothing: the accessors after the first have views of one less */
+    /* A sparse accessor without a view of its own: the views of all later accessors move down by one. */
     static const float all[12] = {-1, 0, -1, -1, 0, 1, 1, 0, 1, 1, 0, -1};
     static const uint8_t each[4] = {0, 1, 2, 3};
     const struct files_part over[] = {
@@ -134,7 +134,7 @@ static void sparse(void **state)
                    "accessors[0].sparse.indices: number 1 is 4: expected rising ones below 4");
 }
 
-/* Accessors and views that refer to bytes that are not there. */
+/* Accessors and views that refer to bytes beyond the end. */
 static void wrong_accessors(void **state)
 {
     (void)state;
@@ -171,7 +171,7 @@ static void wrong_accessors(void **state)
     }
 }
 
-/* Small files that ask for much are refused in one line, before they take memory or time. */
+/* Small files that demand much are refused with one line, before they take memory or time. */
 static void too_much(void **state)
 {
     (void)state;

@@ -1,9 +1,10 @@
-/* glTF as files: how buffers and images are found, versions, extensions, and names that reach a terminal. */
+/* glTF as files: how buffers and images are found, versions, extensions, and names that are printed to a
+ * terminal. */
 #include "renderer_gltf.h"
 
 #include <sys/stat.h>
 
-/* A square whose buffer is in a file of that name. */
+/* Write a square whose buffer is in the file with this name. */
 static const char *with_buffer(const char *uri)
 {
     static char text[4000];
@@ -13,7 +14,7 @@ static const char *with_buffer(const char *uri)
     return files_text("named.gltf", text);
 }
 
-/* Buffers and images are found by one rule. */
+/* Buffers and images are found by the same rule. */
 static void names(void **state)
 {
     (void)state;
@@ -47,7 +48,7 @@ static void names(void **state)
         remove(files_path(cases[i].file));
     }
     for (size_t i = 0; i < sizeof cases / sizeof *cases;
-         i++) { /* as images; their format shows in the bytes */
+         i++) { /* as images, whose format is recognised by their bytes */
         char file[64], more[400], uri[200];
         snprintf(file, sizeof file, "%.*s.png", (int)strlen(cases[i].file) - 4, cases[i].file);
         snprintf(uri, sizeof uri, "%.*s.png", (int)strlen(cases[i].uri) - 4, cases[i].uri);
@@ -88,7 +89,8 @@ static void versions(void **state)
                    "asset.minVersion");
     assert_refused(files_write("one.glb", "glTF\1\0\0\0\24\0\0\0\0\0\0\0\0\0\0\0", 20), "is glTF 1.0");
 
-    /* padded with zeros, an unknown chunk between, the ending of another format */
+    /* The JSON is padded with zeros, an unknown chunk follows it, and the name ends as that of another
+     * format. */
     file = fopen(files_glb("whole.glb", 1, node, shining, ""), "rb");
     const size_t all = fread(text, 1, sizeof text, file),
                  json = (size_t)(uint8_t)text[12] | (size_t)(uint8_t)text[13] << 8;
@@ -100,7 +102,7 @@ static void versions(void **state)
     rnd_scene_destroy(load_quietly(files_write("odd.bin", text, all + 16)));
 }
 
-/* Names of a file reach a terminal without their control characters, in errors and in warnings. */
+/* Names from a file are printed to a terminal without their control characters, in errors and in warnings. */
 static void printable(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* glTF materials and maps, as they come into the scene. */
+/* glTF materials and maps, as the scene holds them. */
 #include "renderer_materials.h"
 
 static void all_factors(void **state)
@@ -114,7 +114,7 @@ static void maps(void **state)
         IMAGE);
     const struct rnd_material *m = only(scene);
     const struct rnd_map *base = &m->map[RND_MAP_BASE];
-    /* a quarter turn takes (u, v) to (v, -u): anticlockwise as seen, v being downwards */
+    /* a quarter turn takes (u, v) to (v, -u), which looks anticlockwise, because v points down */
     static const float turned[6] = {0, 3, 0.5f, -2, 0, 0.25f};
     for (int i = 0; i < 6; i++) NEAR(base->transform[i], turned[i]);
     assert_true(base->has_transform && !m->map[RND_MAP_NORMAL].has_transform);
@@ -135,11 +135,11 @@ static void maps(void **state)
         assert_true(m->map[use].texture >= 0);
         assert_int_equal(scene->texture[m->map[use].texture].use, colour ? RND_PIXELS_SRGB : RND_PIXELS_DATA);
     }
-    assert_int_equal(scene->texture_count, 2); /* one image, as colours and as numbers */
+    assert_int_equal(scene->texture_count, 2); /* the one image is used both as colours and as data */
     rnd_scene_destroy(scene);
 }
 
-/* An image in a buffer; and a view without one. */
+/* An image in a buffer, and an image whose view does not hold one. */
 static void image_in_buffer(void **state)
 {
     (void)state;
@@ -187,8 +187,9 @@ static void specular_glossiness(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* Textures that come after the scene: it does without, then has what it would have had at once; one that
- * cannot be read is told; and who does not want them any more need not wait. */
+/* Textures that are read after the scene: at first the scene has none; later it equals a scene that was
+ * loaded with them. A texture that cannot be read gives a warning. A scene may be destroyed before its
+ * textures have come. */
 static void later(void **state)
 {
     (void)state;
@@ -234,13 +235,13 @@ static void later(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* Values that a material cannot have, and types that its keys do not: a line that names the place, and the
- * nearest value or the default. */
+/* Values that a material cannot have, or of a type that their key does not take: a warning names the place,
+ * and the nearest value or the default is used. */
 static void broken_values(void **state)
 {
     (void)state;
     static const struct {
-        const char *material, *named; /* NULL: no line */
+        const char *material, *named; /* NULL: no warning */
     } cases[] = {
         {"{\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,2,1]}}",
          ".pbrMetallicRoughness.baseColorFactor: 2,"},
@@ -286,7 +287,7 @@ static void broken_values(void **state)
     }
 }
 
-/* --- other people's files --- */
+/* --- files from elsewhere --- */
 
 #define FIELD(name) offsetof(struct rnd_material, name)
 
@@ -296,7 +297,7 @@ static void blender_materials(void **state)
     have(SHARED_DATA "/scenes/gltf-tests");
     static const struct {
         const char *file;
-        int mesh; /* whose material, in the order of the scene's */
+        int mesh; /* the mesh with the material, in the scene's order */
         size_t field;
         float value;
     } cases[] = {

@@ -1,9 +1,10 @@
-/* Meshes and nodes of glTF: primitives of all modes, compressed ones, tangents, and which nodes are shown. */
+/* Meshes and nodes of glTF: primitives of every mode, compressed ones, tangents, and which nodes are shown.
+ */
 #include "renderer_gltf.h"
 
 /* --- primitives --- */
 
-/* A square as a list, strip and fan, with indices and without; points and lines beside it are left out. */
+/* A square as a list, strip and fan, with and without indices. Points and lines beside it are left out. */
 static void modes(void **state)
 {
     (void)state;
@@ -44,7 +45,8 @@ static void modes(void **state)
         "holds no triangle");
 }
 
-/* Primitives that share one large array of vertices get only those that they use, in a row or scattered. */
+/* Primitives that share one large array of vertices get only the vertices that they use, whether these lie in
+ * a row or apart. */
 static void shared_vertices(void **state)
 {
     (void)state;
@@ -69,7 +71,7 @@ static void shared_vertices(void **state)
 
 /* --- Draco --- */
 
-/* The square from -1 to 1 with normals, texture coordinates and colours, by Draco 1.5.5. */
+/* The square from -1 to 1 with normals, texture coordinates and colours, compressed by Draco 1.5.5. */
 static const char draco_square[] =
     "RFJBQ08CAgEBAAAABAIDAgAAAR//ARH/ARH/ARH/AREE/wAAAAAAAQAAAgAAAQAJAwAAAgEDCQIAAQIBAQkDAAIDAQIEBAAD"
     "AQEBAQADAwEwARADACiCKAgAAAAA/z8AAAAAgL8AAAAAAACAvwAAAEAOAQEBAAMDATABEAMAKIKMAAAAAAD/DwAAAAAAAAAA"
@@ -109,7 +111,7 @@ static void draco(void **state)
         const struct rnd_mesh *mesh = &scene->mesh[0];
         assert_int_equal(mesh->triangles, 2);
         for (int t = 0; t < 2; t++)
-            for (int k = 0; k < 3; k++) { /* texture coordinates go along with places */
+            for (int k = 0; k < 3; k++) { /* texture coordinates match positions */
                 const vec3s p = rnd_vertex(mesh, mesh->index[t][k]);
                 const float *uv = mesh->uv[0] + 2 * (size_t)mesh->index[t][k];
                 assert_float_equal(p.x, 2 * uv[0] - 1, 1e-3);
@@ -125,7 +127,7 @@ static void draco(void **state)
     assert_refused(
         with_draco("view.gltf", indices[0], "1", draco_square),
         "meshes[0].primitives[0].extensions.KHR_draco_mesh_compression.bufferView: expected the index");
-    for (size_t i = 4; i < sizeof draco_square - 5; i += 7) { /* a scene or a line */
+    for (size_t i = 4; i < sizeof draco_square - 5; i += 7) { /* loads or is refused */
         char error[RND_ERROR_SIZE] = "";
         memcpy(spoiled, draco_square, sizeof spoiled);
         spoiled[i] = spoiled[i] == 'A' ? 'z' : 'A';
@@ -166,20 +168,20 @@ static void roots(void **state)
         int meshes;
         float x; /* of the first mesh's first corner */
     } cases[] = {
-        /* UniGLTF: the parent is not shown */
+        /* as UniGLTF writes it: the parent is not shown */
         {"\"scenes\":[{\"nodes\":[1]}]", "{\"translation\":[5,0,0],\"children\":[1]},{\"mesh\":0}",
          "scenes[0].nodes: 1 of them is a child of another node", 1, -1},
-        /* both are: once, in its tree */
+        /* node and parent are listed: shown once, below the parent */
         {"\"scenes\":[{\"nodes\":[1,0]}]", "{\"translation\":[5,0,0],\"children\":[1]},{\"mesh\":0}",
          "scenes[0].nodes: 1 of them is a child", 1, 4},
         {"\"scenes\":[{\"nodes\":[1,0,2]}]", "{\"children\":[1]},{\"mesh\":0,\"children\":[2]},{\"mesh\":0}",
          "2 of them are children", 2, -1},
         {"\"scenes\":[{\"nodes\":[0,0]}]", "{\"mesh\":0}", NULL, 1, -1},
-        /* the scene that is asked for, and none */
+        /* the default scene, and a file without scenes */
         {"\"scenes\":[{\"nodes\":[1]},{\"nodes\":[0]}]", "{\"mesh\":0},{\"mesh\":0,\"translation\":[3,0,0]}",
          NULL, 1, 2},
         {"\"scenes\":[]", "{\"children\":[1]},{\"mesh\":0,\"translation\":[3,0,0]}", NULL, 1, 2},
-        /* what is hidden, with all below it */
+        /* a hidden node hides all nodes below it */
         {"\"scenes\":[{\"nodes\":[0,1]}]",
          "{\"mesh\":0,\"children\":[2],\"extensions\":{\"KHR_node_visibility\":{\"visible\":false}}},"
          "{\"mesh\":0,\"translation\":[3,0,0],\"extensions\":{\"KHR_node_visibility\":{\"visible\":true}}},{"
@@ -199,9 +201,9 @@ static void roots(void **state)
 /* --- tangents --- */
 
 static const struct {
-    float tangent[4]; /* zeros: none */
+    float tangent[4]; /* all 0: no tangents */
     const char *scale;
-    int lean; /* to -Z 0, to +X 1, to +Z 2 */
+    int lean; /* leans to 0: -Z, 1: +X, 2: +Z */
 } LEANS[] = {
     {{0, 0, 0, 0}, "3,1,3", 0},   {{1, 0, 0, 1}, "3,1,3", 0},   {{1, 0, 0, -1}, "3,1,3", 2},
     {{-1, 0, 0, -1}, "3,1,3", 0}, {{0, 0, 1, 1}, "3,1,3", 1},   {{0, 0, -1, -1}, "3,1,3", 1},
@@ -211,8 +213,9 @@ static const struct {
 static const char *const KINDS[] = {
     "", ",\"extensions\":{\"KHR_materials_specular\":{\"specularColorFactor\":[1,1,0.999]}}"};
 
-/* A normal map that leans up its picture, under a sun 60 degrees over +Z: where the file's tangent and its w
- * turn the lean, in the world and through instances, mirrored and not, for plain and layered materials. */
+/* A normal map that leans up its picture, under a sun 60 degrees above +Z. The file's tangents and their w
+ * turn the lean in the same way in the world and through instances, mirrored or not, for plain and layered
+ * materials. */
 static void tangents(void **state)
 {
     (void)state;

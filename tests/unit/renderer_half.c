@@ -9,7 +9,7 @@
 
 #include <math.h>
 
-/* Half floats are their own nearest, and what lies between two goes to the nearer one. */
+/* Half floats convert to themselves, and a float between two of them goes to the nearer one. */
 static void rounding(void **state)
 {
     (void)state;

@@ -5,7 +5,7 @@ static const double deg = M_PI / 180.0;
 
 /* --- files --- */
 
-/* A written file reads back: linear files to their precision, others as 8-bit sRGB. */
+/* A file that was written reads back: linear formats to their precision, others as 8-bit sRGB. */
 static void round_trip(void **state)
 {
     (void)state;
@@ -13,7 +13,7 @@ static void round_trip(void **state)
     static const struct {
         const char *name;
         double relative, absolute, largest;
-    } kinds[] = {{"a.exr", 0, 0, 1e9}, /* as floats: one value is too much for a half */
+    } kinds[] = {{"a.exr", 0, 0, 1e9}, /* stored as floats: one value is too large for a half */
                  {"A.EXR", 0, 0, 1e9},
                  {"a.hdr", 0.01, 1e-3, 1e9},
                  {"a.png", 0.02, 0.002, 1},
@@ -23,7 +23,8 @@ static void round_trip(void **state)
         char error[RND_ERROR_SIZE] = "";
         int width = 0, height = 0;
         for (int i = 0; i < COUNT; i++) {
-            /* a pixel's channels alike, since RGBE shares an exponent; one brighter than any half */
+            /* the channels of a pixel are equal, because RGBE shares an exponent; one pixel is brighter than
+             * any half */
             const double v = i / 3 == 7 ? 1e6 : pow(1.2, i / 3 % 40 - 25);
             rgb[i] = (float)fmin(v, kinds[k].largest == 1 ? 1 : v);
         }
@@ -50,8 +51,8 @@ static long size_of(const char *path)
     return size;
 }
 
-/* An EXR has half floats unless they would lose something: the sun's radiance, or a picture so dark that it
- * lies between two of them. */
+/* An EXR holds half floats unless they would lose something: the radiance of the sun, or a picture so dark
+ * that its values lie between two halves. */
 static void half_or_float(void **state)
 {
     (void)state;
@@ -78,7 +79,7 @@ static void half_or_float(void **state)
     assert_true(size[0] < size[2] && size[1] < size[2]);
 }
 
-/* A grey of 128 of 255 is sRGB whatever its bits, unless the file says otherwise. */
+/* A grey of 128 out of 255 is sRGB, whatever the number of bits, unless the file says otherwise. */
 static void colour_spaces(void **state)
 {
     (void)state;
@@ -132,7 +133,7 @@ static void refused(void **state)
 
 /* --- views --- */
 
-/* A panorama that shows each direction as a colour. */
+/* A panorama whose pixels are their own directions, as colours. */
 static float *compass(int width)
 {
     const int height = width / 2;
@@ -162,7 +163,7 @@ static void directions(void **state)
     const double fov = 80 * deg, edge = tan(0.5 * fov) * (W - 1.0) / W, rise = edge * (H - 1.0) / (W - 1.0);
     static const struct {
         double axis[3], angle;
-        double ahead[3], right[3]; /* what is seen in the middle and to its right */
+        double ahead[3], right[3]; /* colour in the middle of the view and to the right of it */
     } cases[] = {
         {{0, 1, 0}, 0, {0, 0, -1}, {1, 0, 0}},  {{0, 1, 0}, 90, {-1, 0, 0}, {0, 0, -1}},
         {{0, 1, 0}, -90, {1, 0, 0}, {0, 0, 1}}, {{0, 1, 0}, 180, {0, 0, 1}, {-1, 0, 0}},
@@ -189,8 +190,8 @@ static void directions(void **state)
     free(panorama);
 }
 
-/* Stripes along meridians show at the horizon, become grey at the poles, where they crowd, and go on across
- * the seam. */
+/* Stripes along the meridians are visible at the horizon and continue across the seam. At the poles, where
+ * they crowd, they become grey. */
 static void calm_poles(void **state)
 {
     (void)state;
@@ -200,7 +201,7 @@ static void calm_poles(void **state)
     assert_non_null(stripes);
     for (int i = 0; i < WIDTH * HEIGHT * 3; i++) stripes[i] = i / 3 % WIDTH / 2 % 2 ? 1.0f : 0.0f;
     static const struct {
-        double axis[3], angle, fov, least, most; /* standard deviation expected of the view */
+        double axis[3], angle, fov, least, most; /* least, most: standard deviation in the view */
     } cases[] = {{{0, 1, 0}, 180, 10, 0.3, 0.5}, {{1, 0, 0}, 90, 8, 0, 0.1}, {{1, 0, 0}, -90, 8, 0, 0.1}};
     for (int k = 0; k < 3; k++) {
         struct rnd_view sight = {.fov_x = (float)(cases[k].fov * deg), .width = SIDE, .height = SIDE};
@@ -219,7 +220,7 @@ static void calm_poles(void **state)
     free(stripes);
 }
 
-/* A bright spot looks the same wherever it is, at the zenith too. */
+/* A bright spot looks the same everywhere, at the zenith too. */
 static void spot_at_the_pole(void **state)
 {
     (void)state;

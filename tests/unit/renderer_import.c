@@ -1,5 +1,5 @@
 /* Scene files: unusable ones are refused with one line that names the file; others are read as their format
- * says. */
+ * requires. */
 #include "renderer_files.h"
 
 #include <dirent.h>
@@ -12,7 +12,7 @@
 
 /* --- refused --- */
 
-/* A scene that must not load: one line, with the name of the file at fault and some word of the cause. */
+/* The scene must be refused with one line that names the file at fault and contains a word on the cause. */
 static void assert_refused_with(const char *path, const char *env, const char *file, const char *cause)
 {
     const struct rnd_scene_options options = {
@@ -58,7 +58,7 @@ static void broken(void **state)
     assert_refused(files_text("list.gltf", "[]"), "");
     assert_refused(files_text("header.glb", "glTF\2\0\0\0"), "");
 
-    /* every length of a good file but its own, as far as the end of its JSON matters */
+    /* A good file that is cut before its JSON ends, and a .glb that is cut anywhere. */
     static char text[100000];
     FILE *file = fopen(files_gltf("whole.gltf", 1, node, shining, ""), "rb");
     assert_non_null(file);
@@ -103,7 +103,7 @@ static void parts_absent(void **state)
     assert_refused_with(good, files_path("black.exr"), "black.exr", "black");
 }
 
-/* How often a word is in a text. */
+/* How often a word occurs in a text. */
 static int times(const char *text, const char *word)
 {
     int count = 0;
@@ -111,7 +111,8 @@ static int times(const char *text, const char *word)
     return count;
 }
 
-/* A scene without one of its images: one warning names the file, and the factors are used alone. */
+/* A scene that lacks one of its images: a warning names the file, and the material's factors apply without
+ * the image. */
 static void images_absent(void **state)
 {
     (void)state;
@@ -154,7 +155,7 @@ static void images_absent(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* A glTF whose third vertex has this x. */
+/* A glTF whose third vertex has this x coordinate. */
 static const char *with_coordinate(const char *name, float x)
 {
     static char text[91000];
@@ -176,7 +177,7 @@ static void not_finite(void **state)
     (void)state;
     assert_refused(with_coordinate("nan.gltf", NAN), "vertex 2");
     assert_refused(with_coordinate("infinite.gltf", INFINITY), "vertex 2");
-    assert_refused(with_coordinate("far.gltf", 1e30f), "vertex 2"); /* its area is not finite */
+    assert_refused(with_coordinate("far.gltf", 1e30f), "vertex 2"); /* the triangle's area overflows */
     assert_refused(files_text("nan.obj", "v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n"), "vertex");
     assert_refused(files_text("infinite.obj", "v 0 0 0\nv 1 0 0\nv 1e39 1 0\nf 1 2 3\n"), "vertex");
     assert_refused(files_gltf("scale.gltf", 1, "{\"mesh\":0,\"scale\":[1e38,1e38,1e38]}", shining, ""),
@@ -195,12 +196,13 @@ static void not_finite(void **state)
         "bright");
 }
 
-/* Hostile files: each would take all memory, stack or time of a reader that trusts it. */
+/* Hostile files: a reader that trusts one of them would run out of memory, stack or time. */
 static void hostile(void **state)
 {
     (void)state;
     static char text[400000], whole[500000];
-    /* the node after the scene's own holds the mesh; each further one is parent of the last one twice */
+    /* Node 1 holds the mesh. Each of the 40 nodes after it has its predecessor as a child twice: 2^40 meshes.
+     */
     size_t n = (size_t)sprintf(text, "{\"children\":[41]},{\"mesh\":0}");
     for (int i = 1; i <= 40; i++) n += (size_t)sprintf(text + n, ",{\"children\":[%d,%d]}", i, i);
     assert_refused(files_gltf("many.gltf", 1, text, shining, ""), "node");
@@ -249,11 +251,11 @@ static void emissive_strength(void **state)
         assert_float_equal(rgb[0], 4, 1e-4);
         assert_float_equal(rgb[1], 2, 1e-4);
         assert_float_equal(rgb[2], 8, 1e-4);
-        assert_true(seen_from(paths[i], 0, -1, 0, &up, 40, NULL) == 0.0); /* one side alone shines */
+        assert_true(seen_from(paths[i], 0, -1, 0, &up, 40, NULL) == 0.0); /* emits on one side only */
     }
 }
 
-/* Which side of the square shines after its node's transform. */
+/* Which side of the square emits, after its node's transform. */
 static void transforms(void **state)
 {
     (void)state;
@@ -281,7 +283,7 @@ static void transforms(void **state)
     }
 }
 
-/* FBX of centimetres, and of metres. */
+/* FBX files in centimetres and in metres. */
 static void units(void **state)
 {
     (void)state;
@@ -333,7 +335,7 @@ static void camera_and_bounds(void **state)
     assert_string_equal(info->unsupported, "");
     rnd_scene_destroy(scene);
 
-    scene = files_load(path, NULL, NULL, (float[]){5, 6, 7}); /* asked for: the camera gives way */
+    scene = files_load(path, NULL, NULL, (float[]){5, 6, 7}); /* the option overrides the file's camera */
     assert_float_equal(rnd_scene_info(scene)->camera[1], 6, 0);
     rnd_scene_destroy(scene);
     scene = files_load(files_gltf("middle.gltf", 4, "{\"mesh\":0,\"translation\":[1,2,3]}", shining, ""),
@@ -343,7 +345,7 @@ static void camera_and_bounds(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* An image of four colours: red and green above, blue and white below. */
+/* Write an image of four colours: red and green above, blue and white below. */
 static void write_quarters(const char *name)
 {
     enum { SIDE = 16 };
@@ -358,7 +360,7 @@ static void write_quarters(const char *name)
     if (!files_image(files_path(name), SIDE, SIDE, rgb, false, error)) fail_msg("%s", error);
 }
 
-/* From above with -Z up in the view: image row 0 must lie at -Z, column 0 at -X. */
+/* Seen from above with -Z up, row 0 of the image must lie at -Z and column 0 at -X. */
 static void assert_quarters(const char *path, double tolerance)
 {
     for (int i = 0; i < 4; i++) {
@@ -407,7 +409,7 @@ static void textures(void **state)
                                "mtllib shows.mtl\nusemtl m\nv -2 0 -2\nv -2 0 2\nv 2 0 2\nv 2 0 -2\n"
                                "vt 0 1\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3 4/4\n"),
                     1e-3);
-    /* and names files as some other machine did */
+    /* OBJ may name files as another machine wrote them. */
     static const char *const names[] = {"QUARTERS.png", "Textures\\Quarters.PNG", "C:\\work\\quarters.png",
                                         "/home/somebody/quarters.png", "none/quarters.png"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
@@ -435,7 +437,7 @@ static void unsupported(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* --- other people's files --- */
+/* --- files from elsewhere --- */
 
 static int loaded, refused;
 

@@ -1,4 +1,5 @@
-/* What is said of a film, and shown of it: films whose paths are made up, so that what is true is known. */
+/* What is said about a film and what is shown of it. The films' paths are made up, so that the truth is
+ * known. */
 #include "renderer_files.h"
 
 #include "film/converge.h"
@@ -21,10 +22,10 @@ static double random_unit(uint64_t *state)
     return random_bits(state) / 2147483648.0;
 }
 
-/* Contribution of a path of the pixel (x, y) of the film. */
+/* The contribution of one path through the pixel (x, y) of the film. */
 typedef double (*world)(int x, int y, uint64_t *random);
 
-/* rounds times TILE_PATHS paths in every pixel. */
+/* Add rounds times TILE_PATHS paths to every pixel. */
 static void add_rounds(struct rnd_film *film, world look, double scale, int rounds, uint64_t *random)
 {
     static struct rnd_sample samples[TILE_PATHS * COUNT];
@@ -56,7 +57,7 @@ static void begin(struct rnd_render *render, int width)
         rnd_reconstructor_init(&render->reconstructor, rnd_reconstruction_at(0), &render->film, NULL));
 }
 
-/* Rounds until all of a film of that width is converged, at most so many. */
+/* Returns how many rounds it takes until a whole film of this width is converged, `most` at the most. */
 static int rounds_to_converge(int width, world look, double scale, int most, struct rnd_tile *out_first)
 {
     struct rnd_render render;
@@ -82,33 +83,33 @@ static double nothing(int x, int y, uint64_t *random)
     return 0;
 }
 
-/* Light that one path in some ten thousand finds, and nothing else. */
+/* Light that one path in about ten thousand finds, and nothing else. */
 static double rare(int x, int y, uint64_t *random)
 {
     (void)x, (void)y;
     return random_unit(random) < 1e-4 ? 1e4 : 0;
 }
 
-/* A grey wall of little noise. */
+/* A grey wall with little noise. */
 static double calm(int x, int y, uint64_t *random)
 {
     (void)x, (void)y;
     return 0.5 + 0.4 * random_unit(random);
 }
 
-/* The wall, and the right half of the film black, as a sky without stars is. */
+/* The wall, and the right half of the film is black like a sky without stars. */
 static double half_black(int x, int y, uint64_t *random)
 {
     return x >= SIDE ? 0 : calm(x, y, random);
 }
 
-/* The wall, and the right half lit as the world of rare light is. */
+/* The wall, and the right half is lit by rare light. */
 static double half_rare(int x, int y, uint64_t *random)
 {
     return x >= SIDE ? rare(x, y, random) : calm(x, y, random);
 }
 
-/* A noisy wall, and an emitter of 1000 in a hundredth of the tile, without noise. */
+/* A noisy wall, and an emitter of radiance 1000 without noise in a hundredth of the tile. */
 static double emitter_and_noise(int x, int y, uint64_t *random)
 {
     if (x % SIDE < 8 && y < 5) return 1000;
@@ -121,13 +122,13 @@ static void no_news(void **state)
     struct rnd_tile tile;
     assert_int_equal(rounds_to_converge(128, nothing, 1, 100, &tile), 100);
     assert_true(isinf(tile.sure_error) && isinf(tile.error));
-    /* black at first, and with a few bright pixels then: a block finds some 0.8 of them a round */
+    /* black at first; then each round finds about 0.8 bright pixels per tile */
     assert_int_equal(rounds_to_converge(128, rare, 1, 100, &tile), 100);
     assert_true(tile.sure_error > 0.5f);
     print_message("found by one path in 10,000: error %.2f after 200 paths per pixel\n", (double)tile.error);
 }
 
-/* Pixels that stay black do not keep a tile from converging; pixels that are black by bad luck do. */
+/* Pixels that stay black do not keep a tile from converging. Pixels that are black only by chance do. */
 static void black_beside_light(void **state)
 {
     (void)state;
@@ -147,7 +148,7 @@ static void bright_hides_nothing(void **state)
     uint64_t random = 5;
     begin(&render, 128);
     add_rounds(&render.film, emitter_and_noise, 1, 13, &random);
-    /* 26 paths, a tenth of which bring 10: relative variance 9 / 26 */
+    /* 26 paths, a tenth of which contribute 10: relative variance 9 / 26 */
     const struct rnd_tile *tile = &render.film.tile[0].state;
     print_message("error %.3f, that of the wall is %.3f\n", (double)tile->error, sqrt(9.0 / 26));
     assert_false(tile->converged);
@@ -155,7 +156,7 @@ static void bright_hides_nothing(void **state)
     rnd_film_finish(&render.film);
 }
 
-/* The same world in other units is judged alike. */
+/* The same world in other units is judged in the same way. */
 static void units(void **state)
 {
     (void)state;
@@ -174,7 +175,7 @@ static void units(void **state)
 
 /* --- sums --- */
 
-/* So many paths of 0.3 in each pixel of a block: the mean stays exact at every level. */
+/* With 131,072 paths of 0.3 in each pixel of a block, the mean is still exact at every level. */
 static void many_paths(void **state)
 {
     (void)state;
@@ -200,8 +201,8 @@ static void many_paths(void **state)
     rnd_film_finish(&render.film);
 }
 
-/* The dark half of every 8 x 8, 16 x 16 and 64 x 64 pixels has eight times as many paths, and still counts as
- * half. */
+/* In each 8 x 8, 16 x 16 and 64 x 64 pixels, the dark half has eight times as many paths, and still counts as
+ * one half. */
 static void area_counts(void **state)
 {
     (void)state;
@@ -265,33 +266,33 @@ static void shown(void **state)
     double mean;
     memset(&sums, 0, sizeof sums);
     assert_false(pull_push(&sums, rgb));
-    set(&sums, 700, 3, 1, 1); /* one path shows everywhere */
+    set(&sums, 700, 3, 1, 1); /* a single path is shown everywhere */
     show(&sums, rgb, &mean);
     for (int i = 0; i < COUNT; i++)
         assert_true(rgb[3 * i] == 3 && rgb[3 * i + 1] == 6 && rgb[3 * i + 2] == 0);
 
-    /* what has found light shows it, as it is */
+    /* pixels that have found light show it unchanged */
     for (int i = 0; i < COUNT; i++) set(&sums, i, 1 + (float)(i * 37 % 101), 1, 1);
     show(&sums, rgb, &mean);
     for (int i = 0; i < COUNT; i++) assert_float_equal(rgb[3 * i], (1 + i * 37 % 101), 1e-4);
-    sums.pixel[0] = (struct rnd_sum){0}; /* a pixel without a path: the mean of the three beside it */
+    sums.pixel[0] = (struct rnd_sum){0}; /* a pixel without a path shows the mean of its three neighbours */
     show(&sums, rgb, &mean);
     assert_float_equal(rgb[0], (rgb[3] + rgb[3 * SIDE] + rgb[3 * SIDE + 3]) / 3, 1e-4);
     assert_float_equal(rgb[3], 38, 1e-4);
 
-    /* a hit among many that found nothing stands for all of them */
+    /* one hit among many paths that found nothing is spread over all of them */
     for (int i = 0; i < COUNT; i++) set(&sums, i, 0, 4, 0);
     set(&sums, 700, 4096, 4, 1);
     show(&sums, rgb, &mean);
     for (int i = 0; i < COUNT; i++) assert_float_equal(rgb[3 * i], 1, 1e-4);
 
-    /* with many paths a black pixel is black, and its neighbours that find light often are what they are */
+    /* with many paths a black pixel stays black, and its bright neighbours keep their values */
     for (int i = 0; i < COUNT; i++) set(&sums, i, i % 3 ? 2 : 0, 1000, i % 3 ? 900 : 0);
     show(&sums, rgb, &mean);
     for (int i = 0; i < COUNT; i++) assert_float_equal(rgb[3 * i], (i % 3 ? 2 : 0), 1e-5);
 }
 
-/* Rare light is shown at its brightness, from the first path on. */
+/* Rare light is shown with its brightness from the first path on. */
 static void rare_light_shown(void **state)
 {
     (void)state;
@@ -332,7 +333,7 @@ static void rare_light_shown(void **state)
 
 /* --- eccentricity --- */
 
-/* Of the nearest of many points of the tile. */
+/* Cosine of the angle to the nearest of many points of the tile. */
 static double cosine_by_points(const struct rnd_film *film, int x, int y, const float gaze[3])
 {
     enum { POINTS = 48 };
@@ -358,7 +359,7 @@ static void nearest_point(void **state)
         begin(&render, width[w]);
         const struct rnd_film *film = &render.film;
         for (int k = 0; k < 300; k++) {
-            float gaze[3] = {0, k % 2 ? 1 : -1, 0}; /* the poles first, then places on the seam */
+            float gaze[3] = {0, k % 2 ? 1 : -1, 0}; /* first the poles, then on the seam, then anywhere */
             if (k >= 2)
                 rnd_direction(k < 12 ? (float)M_PI : (float)(2 * M_PI * random_unit(&random)),
                               asinf((float)(2 * random_unit(&random) - 1)), gaze);
@@ -366,7 +367,7 @@ static void nearest_point(void **state)
                       y = (int)(random_bits(&random) % (uint32_t)film->down);
             const double angle = acos(fmin(1, (double)rnd_tile_cosine(film, x, y, gaze))),
                          points = acos(fmin(1, cosine_by_points(film, x, y, gaze)));
-            /* between the points, half a step of the tile's height or width away at most */
+            /* the nearest place may lie between the points, at most half a step away */
             assert_true(angle <= points + 1e-3 &&
                         angle >= points - 0.75 * M_PI / film->down / 48 * 1.5 - 1e-3);
             worst = fmax(worst, fabs(angle - points) * film->down);

@@ -1,5 +1,5 @@
-/* Lights without a render: draws follow the stated density, which integrates to one; a sphere of light agrees
- * with its closed form; and points ask the lights that reach them. */
+/* Lights without a render: draws follow the stated density, which integrates to one; a spherical emitter
+ * agrees with its closed form; and points draw the lights that reach them. */
 #include "path/survey.h"
 #include "renderer_files.h"
 #include "light/area.h"
@@ -21,7 +21,8 @@ static int cell_of(struct rnd_v3 d)
     return (y < ROWS ? y : ROWS - 1) * COLUMNS + (x < COLUMNS ? x : COLUMNS - 1);
 }
 
-/* Draws fall where the density says, whatever is chosen, and the density is one over the sphere. */
+/* Draws follow the density, whatever the choice of regions, and the density integrates to one over the
+ * sphere. */
 static void check_environment(const struct rnd_env *env, const struct rnd_env_choice *choice, double mean)
 {
     enum { PARTS = 24 };
@@ -62,13 +63,13 @@ static void check_environment(const struct rnd_env *env, const struct rnd_env_ch
     const double p = stat_chi_square_p(count, mass, CELLS);
     print_message("p %.3f; radiance over density %.3f of the integral\n", p, given / all);
     assert_true(p > 0.001);
-    assert_true(others < 1e-4 * DRAWS); /* at their borders a direction is rounded */
+    assert_true(others < 1e-4 * DRAWS); /* at the borders of regions, directions are rounded */
     assert_true(fabs(given / all - 1.0) < 0.01);
 }
 
-/* An environment of three orders of magnitude, turned by nine texels: the stated density integrates to one
- * over the sphere, draws follow it, and the radiance over density of what is drawn has the mean of the map.
- */
+/* An environment with values of three orders of magnitude, turned by nine texels: the stated density
+ * integrates to one over the sphere, draws follow it, and the mean of radiance over density is that of the
+ * map. */
 static void environment(void **state)
 {
     (void)state;
@@ -105,8 +106,8 @@ static void environment(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* A triangle seen from a point: draws fall within its solid angle as its density says, and the mean of one
- * over the density is that angle (Van Oosterom and Strackee 1983). */
+/* A triangle seen from a point: draws fall within its solid angle as the density says, and the mean of one
+ * over the density is the solid angle (Van Oosterom and Strackee 1983). */
 static void triangle(void **state)
 {
     (void)state;
@@ -139,8 +140,8 @@ static void triangle(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* A floor below a sphere of light of radius r, its middle at height h: irradiance pi L (r / h)^2 (Lambert
- * 1760). */
+/* A spherical emitter of radius r whose middle is at height h gives a floor an irradiance of pi L (r / h)^2
+ * (Lambert 1760). */
 static void sphere_of_light(void **state)
 {
     (void)state;
@@ -150,7 +151,7 @@ static void sphere_of_light(void **state)
     size_t n = (size_t)sprintf(
         text,
         "mtllib s.mtl\nusemtl floor\nv -9 0 -9\nv 9 0 -9\nv 9 0 9\nv -9 0 9\nf 4 3 2 1\nusemtl emitter\n");
-    /* as large as makes the facets' volume that of the ball of radius 0.5 */
+    /* The radius at which the faceted sphere has the volume of a ball of radius 0.5. */
     const double ring = 2 * M_PI / AROUND,
                  r = 0.5 * pow(ring / sin(ring) * (M_PI / DOWN) / sin(M_PI / DOWN), 1.0 / 3);
     for (int i = 0; i <= DOWN; i++)
@@ -172,8 +173,8 @@ static void sphere_of_light(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* An emitter in a closed box under the sun: points in the box mostly ask the emitter, points outside the sun,
- * and neither never asks the other. */
+/* An emitter in a closed box, under the sun: points in the box mostly draw the emitter, points outside mostly
+ * the sun, but each point sometimes draws the other. */
 static void survey(void **state)
 {
     (void)state;
@@ -209,7 +210,8 @@ static void survey(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* A closed box with a window to +X, under an even sky: points in it ask the sky there. */
+/* A closed box with a window towards +X, under an even sky: points in the box draw the sky in that direction.
+ */
 static void window(void **state)
 {
     (void)state;
@@ -238,7 +240,7 @@ static void window(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* Brightness of what lies below, and how often the first of the emitters is drawn, from that camera. */
+/* Mean radiance below this camera, and the probability that its points draw the first emitter. */
 static double below(const char *path, const float camera[3], int group, float *out_probability)
 {
     struct rnd_light_choice choice[2] = {0};
@@ -265,8 +267,8 @@ static double below(const char *path, const float camera[3], int group, float *o
     return radiance;
 }
 
-/* A room with an emitter, alone and in a house of twelve such rooms: there its emitter is asked nearly as
- * often, and the picture is the same. */
+/* A room with an emitter, alone and in a house of twelve such rooms. In the house its emitter is drawn nearly
+ * as often, and the picture is the same. */
 static void house(void **state)
 {
     (void)state;
@@ -292,7 +294,7 @@ static void house(void **state)
     assert_true(fabs(radiance[1] / radiance[0] - 1.0) < files_off(0.005));
 }
 
-/* The same with point lights: one above a floor, and nine more below it. */
+/* The same with point lights: one above a floor, and nine more below the floor. */
 static void cellar(void **state)
 {
     (void)state;

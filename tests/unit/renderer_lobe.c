@@ -1,5 +1,5 @@
-/* Every lobe of the table keeps to its interface: it takes no more light than reaches it, samples unit
- * directions on the side that it says, and its pdf is the one that it samples with. */
+/* Every lobe of the table keeps to its interface: it scatters no more light than reaches it, samples unit
+ * directions on the side that it states, and states the pdf that it samples with. */
 #include "renderer_bsdf.h"
 
 #include "material/lobe.h"
@@ -7,7 +7,7 @@
 #define ROW(name) &rnd_lobe_##name,
 static const struct rnd_lobe *const table[] = {RND_LOBES(ROW)};
 
-/* Surfaces that have all lobes between them: over thin glass and over a volume, from both sides. */
+/* Surfaces that together have all lobes: over thin glass and over a volume, from both sides. */
 static const struct case_of_bsdf cases[] = {
     {.name = "over thin glass",
      .kind = RND_RICH,
@@ -64,7 +64,7 @@ static bool evaluate(const struct rnd_lobe *lobe, const struct rnd_sight *sight,
     return true;
 }
 
-/* Integral of the pdf over all directions, midpoint rule. */
+/* Integral of the pdf over all directions, by the midpoint rule. */
 static double mass_of(const struct rnd_lobe *lobe, const struct rnd_sight *sight,
                       const struct rnd_lobe_share *share)
 {
@@ -124,13 +124,13 @@ static void lobes_keep_to_their_interface(void **state)
             assert_float_equal(mass, drawn, 0.012);
             if (lobe->through) {
                 const struct rnd_v3 through = lobe->through(&sight, &share);
-                /* none from inside: all is reflected at this angle */
+                /* from inside nothing passes: at this angle all is reflected */
                 assert_true(sight.inside ? through.x == 0.0f : through.x > 0.0f);
                 assert_true(rnd_v3_max(through) < share.strength);
             }
         }
     for (int k = 0; k < RND_LOBE_COUNT; k++) {
-        /* only metallic-roughness is in every surface */
+        /* metallic-roughness is the only lobe that every surface has */
         assert_true(seen[k] > 0 && (seen[k] == CASES) == (table[k] == &rnd_lobe_metal_rough));
         assert_true(*table[k]->name && *table[k]->source);
     }

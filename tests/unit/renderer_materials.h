@@ -1,4 +1,4 @@
-/* Scenes of one square with a material, for tests of what materials are and how they look. */
+/* Scenes of one square with a material, for tests of what a material holds and how it looks. */
 #ifndef FOVEAD_TESTS_RENDERER_MATERIALS_H
 #define FOVEAD_TESTS_RENDERER_MATERIALS_H
 
@@ -11,13 +11,13 @@ static inline const struct rnd_material *only(const struct rnd_scene *scene)
     return &scene->material[scene->mesh[0].material];
 }
 
-/* A scene of one square with that material, lit by a constant environment. */
+/* A scene of one square with this material, lit by a constant environment. */
 static inline struct rnd_scene *with_material(const char *material, const char *more)
 {
     return files_load(files_gltf("m.gltf", 1, node, material, more), files_env("env.exr", 1), NULL, NULL);
 }
 
-/* An image of two halves along u: of these alphas, grey. */
+/* Write a grey image whose left half has one alpha and whose right half another. */
 static inline const char *write_halves(const char *name, float left, float right)
 {
     enum { SIDE = 16 };

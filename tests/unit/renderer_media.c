@@ -1,5 +1,5 @@
-/* Media that touch, overlap and lie in each other: no light is made or lost at their borders, and things
- * behind them are seen where Snell, Fresnel and Beer say. */
+/* Media that touch, overlap and lie inside each other: no light is gained or lost at their borders, and
+ * things behind them are seen where Snell, Fresnel and Beer predict. */
 #include "renderer_parts.h"
 
 #include "path/media.h"
@@ -22,7 +22,7 @@ struct box {
 
 enum { MOST_BOXES = 6 };
 
-/* A scene of boxes, each with a material of its own. */
+/* A scene of boxes, each with its own material. */
 static struct rnd_scene *boxes(const struct box *box, int count, const char *env, const float camera[3])
 {
     static const float corner[24] = {-1, -1, -1, 1, -1, -1, -1, 1, -1, 1, 1, -1,
@@ -70,7 +70,7 @@ static const struct {
     const char *name;
     int count;
     struct box box[MOST_BOXES];
-    float camera[3][3]; /* outside, and in media */
+    float camera[3][3]; /* one outside, the others inside media */
 } WORLDS[] = {
     {"water beside glass, touching",
      2,
@@ -109,8 +109,8 @@ static const struct {
      {{97, 0.5f, -1}, {100, 0.5f, -1}, {100, -0.5f, -1}}},
 };
 
-/* Whatever the order of surfaces, in a world of constant radiance clear media cannot be seen, from outside or
- * by a camera that is in one of them. */
+/* In a world of constant radiance clear media are invisible, whatever the order of their surfaces, both from
+ * outside and to a camera inside one of them. */
 static void furnaces(void **state)
 {
     (void)state;
@@ -125,8 +125,8 @@ static void furnaces(void **state)
                 memcpy(box, WORLDS[k].box, sizeof box);
                 for (int i = 0; i < WORLDS[k].count; i++) box[i].roughness = roughness[r];
                 struct rnd_scene *scene = boxes(box, WORLDS[k].count, env, WORLDS[k].camera[e]);
-                /* Light that meets every face of a smooth box at a flat angle is trapped for ever, so that
-                 * from inside of one only the 20 degrees ahead are looked at. */
+                /* In a smooth box, light that meets every face at a flat angle is trapped for ever. So a
+                 * camera inside one looks only at the 20 degrees ahead. */
                 const struct rnd_aim aim = files_aim(0, 0, -1);
                 const double mean =
                     files_radiance(scene, r || !e ? "od" : "fv", 0, 70000, &aim, r || !e ? 180 : 20, NULL);
@@ -138,7 +138,7 @@ static void furnaces(void **state)
     assert_int_equal(wrong, 0);
 }
 
-/* Unpolarised Fresnel reflectance from one index into another (Born and Wolf, section 1.5). */
+/* Unpolarised Fresnel reflectance at the border between two indices (Born and Wolf, section 1.5). */
 static double fresnel(double cosine, double from, double to)
 {
     const double sine = from / to * sqrt(1 - cosine * cosine), t = sqrt(1 - sine * sine);
@@ -147,10 +147,11 @@ static double fresnel(double cosine, double from, double to)
     return (s * s + p * p) / 2;
 }
 
-/* A camera in glass looks at 50 degrees into water that touches the glass, or reaches into it, at something
- * bright in the water: through air in between it would see nothing, since from 41.8 degrees on glass reflects
- * all. What the border reflects comes down again from the top of the glass, so that in the end all is bright;
- * in the water, so that its radiance is divided by the square of the index of water. */
+/* A camera in glass looks down into water at an angle of 50 degrees, at something bright in the water. The
+ * water touches the glass or reaches into it. If there were air between them, the camera would see nothing,
+ * because glass reflects everything from 41.8 degrees on. What the border reflects is reflected down again by
+ * the top of the glass, so that in the end everything is bright. The bright box is in the water, so its
+ * radiance is divided by the square of the index of water. */
 static void bright_in_water(void **state)
 {
     (void)state;
@@ -171,7 +172,7 @@ static void bright_in_water(void **state)
     }
 }
 
-/* A medium absorbs on the way to everything in it, also to drawn lights; and a border within one medium has
+/* A medium absorbs light on the way to everything in it, also to drawn lights. A border inside one medium has
  * no effect. */
 static void absorbing(void **state)
 {
@@ -198,9 +199,9 @@ static void absorbing(void **state)
         assert_within("bright seen from in the water, green", rgb[1], 3 / index * pow(0.5, 0.75), 0.01);
         rnd_scene_destroy(scene);
     }
-    /* The floor is 1 m below a much wider emitter, both in the water, and the camera looks straight down at
-     * it from 0.1 m. Its radiance is albedo times emission times 2 E3(s), with the exponential integral E3
-     * (DLMF 8.19) and s the absorption over 1 m. */
+    /* A white floor is 1 m below a much wider emitter, both in water of index n, and the camera looks
+     * straight down at it from 0.1 m. Its radiance is emission / n^2 times 2 E3(s) exp(-0.1 s), with the
+     * exponential integral E3 (DLMF 8.19) and the absorption s over 1 m. */
     const struct box room[] = {{tinted, 0, {-900, -3, -900}, {900, 0, 900}},
                                {bright, 1, {-800, -1, -800}, {800, -0.5, 800}},
                                {floor, 1, {-800, -2.5, -800}, {800, -2, 800}}};
@@ -222,8 +223,7 @@ static void absorbing(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* The list of media: the innermost is first, and a medium that was entered can be left wherever it is in the
- * list. */
+/* The list of media: the innermost comes first, and a medium can be left wherever it stands in the list. */
 static void lists(void **state)
 {
     (void)state;
@@ -231,11 +231,12 @@ static void lists(void **state)
     assert_int_equal(rnd_media_innermost(media), 9);
     assert_true(rnd_media_leave(media, 65535) == rnd_media_enter(rnd_media_enter(0, 7), 9));
     assert_true(rnd_media_leave(media, 7) == rnd_media_enter(rnd_media_enter(0, 65535), 9));
-    assert_true(rnd_media_leave(media, 8) == rnd_media_enter(rnd_media_enter(0, 7), 65535)); /* in none */
+    /* A medium that was not entered is left: that removes the innermost. */
+    assert_true(rnd_media_leave(media, 8) == rnd_media_enter(rnd_media_enter(0, 7), 65535));
     assert_true(rnd_media_leave(0, 8) == 0);
-    media = rnd_media_enter(media, 9); /* twice in the same */
+    media = rnd_media_enter(media, 9); /* entered twice */
     assert_true(rnd_media_innermost(rnd_media_leave(media, 9)) == 9);
-    media = rnd_media_enter(media, 3); /* the fifth: the outermost is forgotten */
+    media = rnd_media_enter(media, 3); /* the fifth medium: the outermost is forgotten */
     for (int i = 0; i < 4; i++) media = rnd_media_leave(media, rnd_media_innermost(media));
     assert_true(media == 0);
 }

@@ -1,6 +1,5 @@
-/* The metrics: FLIP of pictures made of formulas, whose values come from the authors' program (FLIP 1.6), and
- * of real pairs of the shared data where that is present; plain metrics; weights; what is refused.
- */
+/* The metrics: FLIP of synthetic pictures against values of the authors' program (FLIP 1.6), and of real
+ * pairs where the shared data is present; plain metrics; weights; and what is refused. */
 #include "renderer_files.h"
 
 enum { WIDTH = 96, HEIGHT = 64, COUNT = WIDTH * HEIGHT * 3 };
@@ -30,7 +29,7 @@ static struct rnd_measure flip_of(const struct rnd_pair *pair, float *out_map)
     return measure(pair->display ? "ldr_flip" : "hdr_flip", pair, out_map);
 }
 
-/* NAN: there is none of that key. */
+/* Returns NAN if there is no figure with this key. */
 static double figure(const struct rnd_measure *of, const char *key)
 {
     for (int i = 0; i < of->figures; i++)
@@ -47,7 +46,7 @@ static float noise(uint32_t i)
     return (float)((i ^ i >> 16) >> 8) * 0x1p-24f;
 }
 
-/* A checkerboard on a ramp; hdr: its right half sixteen times as bright. */
+/* A checkerboard on a ramp. If `hdr`, its right half is sixteen times as bright. */
 static void make_reference(bool hdr, float out[COUNT])
 {
     for (int i = 0; i < COUNT; i++) {
@@ -59,7 +58,7 @@ static void make_reference(bool hdr, float out[COUNT])
     }
 }
 
-/* What is wrong with it: nothing, brightness, noise, a shift by a pixel. */
+/* The reference with an error: 0 none, 1 brightness, 2 noise, 3 shifted by a pixel. */
 static void make_test(bool hdr, int wrong, const float reference[COUNT], float out[COUNT])
 {
     for (int i = 0; i < COUNT; i++) {
@@ -73,8 +72,9 @@ static void make_test(bool hdr, int wrong, const float reference[COUNT], float o
     }
 }
 
-/* LDR, then HDR; each way of being wrong; at 67, 20 and 12 pixels per degree: mean, three quartiles, least,
- * largest, and the errors at 10,10, at 48,32 and at 95,63. */
+/* Order of rows: LDR, then HDR; within that the four errors; within that 67, 20 and 12 pixels per degree.
+ * Columns: mean, three quartiles, smallest, largest, and the errors at the pixels (10, 10), (48, 32) and (95,
+ * 63). */
 static const double EXPECTED[24][9] = {
     {0, .0025, .005, .0075, 0, 0, 0, 0, 0},
     {0, .0025, .005, .0075, 0, 0, 0, 0, 0},
@@ -120,7 +120,7 @@ static void made_pictures(void **state)
         for (int i = 0; i < WIDTH * HEIGHT; i++) least = fmin(least, errors[i]);
         furthest = fmax(furthest, fabs(flip.value - expected[0]));
         assert_float_equal(flip.value, expected[0], 5e-5);
-        /* An error beside the edge of a bin may fall into another one. */
+        /* An error at the edge of a bin may fall into its neighbour. */
         for (int i = 0; i < 3; i++) assert_float_equal(figure(&flip, QUARTILES[i]), expected[1 + i], 2e-4);
         assert_float_equal(least, expected[4], 5e-5);
         assert_float_equal(figure(&flip, "largest"), expected[5], 5e-5);
@@ -150,7 +150,7 @@ static void plain_metrics(void **state)
         make_test(i / 4, i % 4, reference, test);
         assert_float_equal(measure("relative_mse", &pair, NULL).value, relative[i / 4][i % 4], 2e-6);
         if (i >= 4) continue;
-        /* The expected values are of these numbers as they are, so they are what sRGB shows. */
+        /* The expected PSNR is that of these numbers as sRGB, so make them linear. */
         for (int j = 0; j < 2 * COUNT; j++) {
             float *v = j < COUNT ? &reference[j] : &test[j - COUNT];
             *v = *v <= 0.04045f ? *v / 12.92f : powf((*v + 0.055f) / 1.055f, 2.4f);
@@ -162,8 +162,8 @@ static void plain_metrics(void **state)
     }
 }
 
-/* Pictures that are mostly or all black do not give an endless range of exposures, and their errors are
- * found. */
+/* Pictures that are mostly or completely black do not give an endless range of exposures, and their errors
+ * are found. */
 static void dark_pictures(void **state)
 {
     (void)state;
@@ -186,7 +186,7 @@ static void dark_pictures(void **state)
     assert_true(flip.value > 0.1 && figure(&flip, "largest") <= 1);
     assert_true(flip_of(&same, NULL).value == 0);
 
-    /* as bright as floats go, and below nothing */
+    /* The largest and the lowest float. */
     for (int i = 0; i < COUNT; i++) reference[i] = i % 2 ? 3.4e38f : -3.4e38f, test[i] = -reference[i];
     flip = flip_of(&pair, NULL);
     assert_true(flip.value > 0.1 && figure(&flip, "largest") <= 1);
@@ -194,7 +194,7 @@ static void dark_pictures(void **state)
     assert_true(flip.value > 0.1 && figure(&flip, "largest") <= 1);
 }
 
-/* Pictures smaller than any filter, and the least and most pixels per degree. */
+/* Pictures smaller than any filter, and the fewest and the most pixels per degree. */
 static void odd_sizes(void **state)
 {
     (void)state;
@@ -208,8 +208,8 @@ static void odd_sizes(void **state)
             pair.width = sizes[s][0];
             pair.height = sizes[s][1];
             const struct rnd_measure flip = flip_of(&pair, errors);
-            /* HyAB of black and white is 100, of green and blue 202.6: without edges it is the same
-             * everywhere */
+            /* HyAB of black and white is 100, that of green and blue 202.6. Without edges the error is the
+             * same everywhere. */
             const double expected = 0.95 + (pow(100, 0.7) / 41.276096 - 0.4) / 0.6 * 0.05;
             assert_float_equal(flip.value, expected, 2e-5);
             assert_float_equal(figure(&flip, "largest"), expected, 2e-5);
@@ -273,8 +273,8 @@ static void refused(void **state)
     assert_refused("relative_mse", &pair, "a pixel of the reference is not finite, at 95,63");
 }
 
-/* Every metric can be found by name, describes its value, refuses only pairs that it does not fit, and finds
- * a picture nearer to itself than to a noisy one. */
+/* Every metric can be found by name, describes its value, refuses only pairs that do not suit it, and finds a
+ * picture nearer to itself than to a noisy one. */
 static void table(void **state)
 {
     (void)state;
@@ -304,7 +304,7 @@ static void table(void **state)
     assert_true(count >= 5);
 }
 
-/* Pixels of weight 0 do not count, equal weights change nothing, and twice the weight is like twice the
+/* Pixels of weight 0 do not count, equal weights change nothing, and doubling a weight is like doubling the
  * pixels. */
 static void weights(void **state)
 {
@@ -323,8 +323,8 @@ static void weights(void **state)
             for (int i = 0; i < WIDTH * HEIGHT; i++) weight[i] = 3;
             assert_float_equal(measure(metric->name, &pair, NULL).value, plain, 1e-12);
 
-            /* The left half is right, the right half wrong. The filters of FLIP reach a few pixels further.
-             */
+            /* The left half is correct, the right half is wrong. FLIP's filters reach a few pixels across the
+             * border. */
             for (int i = 0; i < COUNT; i++)
                 if (i / 3 % WIDTH < WIDTH / 2) test[i] = reference[i];
             double value[3];
@@ -340,7 +340,7 @@ static void weights(void **state)
             assert_true(value[1] != value[0] && value[2] != value[0] && value[2] != value[1]);
         }
 
-    /* a mean of values: half of it is there with equal weights */
+    /* The metric is a mean: with equal weights, half of the error remains. */
     static float black[COUNT], grey[COUNT];
     struct rnd_pair pair = made_pair(black, grey, true, 0);
     for (int i = 0; i < COUNT; i++) grey[i] = i / 3 % WIDTH < WIDTH / 4 ? 0.1f : 0;
@@ -379,7 +379,8 @@ static void relative_rmse(void **state)
     assert_float_equal(rmse_in_disc(test, reference, ahead, 4), 0.5, 1e-6);
     assert_float_equal(rmse_in_disc(test, reference, up, 0.1), 0.5, 1e-6);
 
-    /* wrong by its own size within an angle of the pole: a share (1 - cos) / 2 of the sphere */
+    /* All pixels within an angle of the pole are wrong by their own value: a share (1 - cos) / 2 of the
+     * sphere. */
     memcpy(test, reference, sizeof test);
     for (int i = 0; i < 3 * ROUND_COUNT; i++)
         if (i / 3 / ROUND < 21) test[i] = 0.0f;
@@ -390,7 +391,7 @@ static void relative_rmse(void **state)
     assert_float_equal(rmse_in_disc(test, reference, up, 60 * deg), sqrt((1 - cosine) / (1 - cos(60 * deg))),
                        0.01);
 
-    /* luminance alone counts, and the seam is no edge */
+    /* Only luminance counts, and the seam is not an edge. */
     memcpy(test, reference, sizeof test);
     for (int i = 0; i < ROUND_COUNT; i++) test[3 * i + 1] += 0.2f;
     assert_float_equal(rmse_in_disc(test, reference, seam, 0.5), 0.7152 * 0.1, 1e-5);
@@ -398,7 +399,7 @@ static void relative_rmse(void **state)
     assert_true(isinf(rmse_in_disc(test, reference, ahead, 4)));
 }
 
-/* A ring of eccentricity has its solid angle, wherever it is, within half a row at its ends. */
+/* A ring of eccentricity has the right solid angle everywhere, up to half a row at its edges. */
 static void rings(void **state)
 {
     (void)state;
@@ -437,7 +438,7 @@ static void real_pictures(void **state)
         const char *reference, *test;
         float ppd;
         double mean, quartile[3], largest; /* 0: not known */
-        double near; /* of quartiles: those of the last two are from sorted errors, not from bins */
+        double near; /* of quartiles; the last two pairs have theirs from sorted errors, not from bins */
     } pairs[] = {
         {"tree-ref.png",
          "tree-test.png",

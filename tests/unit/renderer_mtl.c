@@ -1,4 +1,4 @@
-/* MTL materials and maps, as they come into the scene. */
+/* MTL materials and maps, as the scene holds them. */
 #include "renderer_materials.h"
 
 #include <sys/stat.h>
@@ -12,7 +12,8 @@ static struct rnd_scene *with_mtl(const char *mtl)
                       files_env("env.exr", 1), NULL, NULL);
 }
 
-/* Which files a scene names: libraries and maps, as they are written, in another letter case, or lost. */
+/* The files that a scene lists: libraries and maps that are found as written, found in another letter case,
+ * or missing. */
 static void files(void **state)
 {
     (void)state;
@@ -68,7 +69,7 @@ static void mtl(void **state)
     assert_false(m->thin || m->pane);
     rnd_scene_destroy(scene);
 
-    scene = with_mtl("newmtl m\nKd 1 1 1\nNi 1.5\nillum 4\n"); /* "glass on", without refraction */
+    scene = with_mtl("newmtl m\nKd 1 1 1\nNi 1.5\nillum 4\n"); /* illum 4 is "glass on", without refraction */
     assert_true(only(scene)->thin && only(scene)->pane);
     rnd_scene_destroy(scene);
 
@@ -86,7 +87,7 @@ static void mtl(void **state)
     }
 }
 
-/* What assimp does not tell: options of maps, a map without its factor, the PBR keys, a library in a folder
+/* Details that assimp loses: options of maps, a map without its factor, the PBR keys, a library in a folder
  * with its images beside it, and lines beside triangles. */
 static void mtl_of_exporters(void **state)
 {
@@ -122,7 +123,7 @@ static void mtl_of_exporters(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* A library that is named more than once is read once, where it is named last. */
+/* A library that is named several times is read once, where it is named last. */
 static void mtl_named_often(void **state)
 {
     (void)state;
@@ -142,8 +143,8 @@ static void mtl_named_often(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* Colours of 16 bits are sRGB as those of 8 are, in glTF whatever gAMA says; alpha and normals stay as they
- * are. */
+/* Colours of 16 bits are sRGB like those of 8 bits; in glTF whatever gAMA says. Alpha and normals are not
+ * changed. */
 static void wide_images(void **state)
 {
     (void)state;
@@ -172,7 +173,7 @@ static void wide_images(void **state)
     }
 }
 
-/* --- other people's files --- */
+/* --- files from elsewhere --- */
 
 static void cornell_boxes(void **state)
 {
@@ -202,7 +203,7 @@ static void cornell_boxes(void **state)
             if (m->transmission == 1.0f) {
                 assert_true(!m->thin && m->roughness == 0.0f && m->kind == RND_RICH);
                 if (++glasses == cases[i].glasses) NEAR(m->ior, cases[i].ior);
-                NEAR(m->base.x * m->base.x, 0.1); /* Tf 0.1, on the way in and out */
+                NEAR(m->base.x * m->base.x, 0.1); /* Tf 0.1, for the way in and out */
             }
         }
         print_message("%s: %d mirrors, %d glasses, %d glossy\n", cases[i].file, mirrors, glasses, glossy);

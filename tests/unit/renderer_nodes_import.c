@@ -1,4 +1,4 @@
-/* What scene files say of vertices and nodes: colours, coordinates, first frames, instances. */
+/* Vertices and nodes in scene files: colours, coordinates, first frames, instances. */
 #include "renderer_parts.h"
 #include "material/shading.h"
 #include "material/surface.h"
@@ -39,7 +39,7 @@ static void colours_and_sets(void **state)
         assert_null(mesh->normal);
         NEAR(mesh->colour[0], 1), NEAR(mesh->colour[1], i < 2 ? 0.5 : i == 2 ? 128 / 255.0 : 32768 / 65535.0);
         NEAR(mesh->colour[3], cases[i].alpha);
-        if (i == 0) NEAR(mesh->colour[10], 1); /* no more than all */
+        if (i == 0) NEAR(mesh->colour[10], 1); /* clamped to 1 */
         NEAR(mesh->uv[1][0], 5), NEAR(mesh->uv[1][3], 8), NEAR(mesh->uv[0][2], 0), NEAR(mesh->uv[0][3], 1);
         rnd_scene_destroy(scene);
     }
@@ -66,7 +66,7 @@ static void first_frame(void **state)
         "\"output\":6,\"interpolation\":\"CUBICSPLINE\"}]}]",
         parts, 7);
     struct rnd_scene *scene = files_load(path, files_env("env.exr", 1), NULL, NULL);
-    /* (-1, 0, -1) doubled, a quarter turn around y, moved */
+    /* (-1, 0, -1) is doubled, turned by a quarter around y, and moved */
     NEAR(scene->mesh[0].position[0], -2 + 1), NEAR(scene->mesh[0].position[1], 2);
     NEAR(scene->mesh[0].position[2], 2 + 3);
     assert_string_equal(rnd_scene_info(scene)->unsupported, "animation (its first frame is shown)");
@@ -83,7 +83,8 @@ static void first_frame(void **state)
     assert_non_null(strstr(error, "short.gltf: animations[0].samplers[0].output: expected"));
 }
 
-/* What a ray straight down at (x, z) hits: mesh, instance, place and side in the world. */
+/* What a ray straight down at (x, z) hits: the instance is returned; mesh, point and normal are in the world.
+ */
 static const struct rnd_instance *look_down(const struct rnd_scene *scene, float x, float z,
                                             uint32_t *out_mesh, vec3s *out_point, vec3s *out_normal)
 {
@@ -107,7 +108,7 @@ static const struct rnd_instance *look_down(const struct rnd_scene *scene, float
 
 enum { MANY = 1200 };
 
-/* The parts of a mesh that is the square over and over: large enough to be shared by its instances. */
+/* The parts of a mesh that is the square repeated, so large that its instances share it. */
 static const struct files_part *square_many_times(void)
 {
     static uint16_t many[6 * MANY];
@@ -146,7 +147,7 @@ static void instances(void **state)
     }
     rnd_scene_destroy(scene);
 
-    /* what shines, and what is small, is in the world */
+    /* Emissive meshes and small ones are copied into the world. */
     scene = files_load(
         files_parts("shine.gltf", files_primitive, nodes, "{\"emissiveFactor\":[1,1,1]}", "", parts, 3), NULL,
         NULL, NULL);
@@ -160,7 +161,7 @@ static void instances(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* A grey instance under a white sky is as bright as the same mesh in the world. */
+/* Under a white sky a grey instance is as bright as the same mesh in the world. */
 static void instances_shaded(void **state)
 {
     (void)state;
@@ -175,16 +176,16 @@ static void instances_shaded(void **state)
     assert_int_equal(scene->instance_count, 2);
     assert_float_equal(files_radiance(scene, "fv", 0, 40000, &down, 20, NULL), 0.5, files_off(0.01));
     rnd_scene_destroy(scene);
-    /* from between the two the back of the upper one is not seen */
+    /* A camera between the two does not see the back of the upper one. */
     scene = files_load(files_path("grey.gltf"), files_path("env.exr"), NULL, (float[]){0, -5, 0});
     const struct rnd_aim up = files_aim(0, 1, 0);
     assert_float_equal(files_radiance(scene, "fv", 0, 20000, &up, 20, NULL), 1, 1e-5);
     rnd_scene_destroy(scene);
 }
 
-/* A normal map that leans towards the top of its picture, seen through a mirrored instance, in the world as
- * the mirrored node alone, and through an instance that is not mirrored; one that is mirrored along v leans
- * the other way. */
+/* A normal map that leans towards the top of its picture looks the same through a mirrored instance, in the
+ * world with a mirrored node, and through an instance that is not mirrored. An instance mirrored along v
+ * leans the other way. */
 static void instances_mirrored(void **state)
 {
     (void)state;
@@ -195,7 +196,7 @@ static void instances_mirrored(void **state)
                                "\"directional\",\"intensity\":3}]}}";
 #define LEAN_LIGHT                                                                                           \
     "{\"rotation\":[-0.5,0,0,0.8660254],\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}"
-    /* the sun stands 60 degrees over +Z; v grows towards +Z, so that the map leans to -Z */
+    /* the sun is 60 degrees above +Z; v grows towards +Z, so the map leans to -Z */
     static const char *const nodes[] = {"{\"children\":[1,2,3]},{\"mesh\":0,\"scale\":[-3,1,3]},{\"mesh\":0,"
                                         "\"translation\":[0,-90,0]}," LEAN_LIGHT,
                                         "{\"children\":[1,2]},{\"mesh\":0,\"scale\":[-3,1,3]}," LEAN_LIGHT,
@@ -243,7 +244,7 @@ static void gpu_instances(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* Thousands of teapots by EXT_mesh_gpu_instancing. */
+/* Thousands of teapots, instanced by EXT_mesh_gpu_instancing. */
 static void blender_instances(void **state)
 {
     (void)state;
@@ -257,7 +258,8 @@ static void blender_instances(void **state)
     rnd_scene_destroy(scene);
 }
 
-/* Nodes of the same name that share a light and a camera: each has its own, and the camera is at the first. */
+/* Nodes of the same name share a light and a camera: each node has its own light, and the camera is at the
+ * first. */
 static void shared_light(void **state)
 {
     (void)state;

@@ -1,6 +1,4 @@
-/* glTF files of any parts, for tests of what they mean: each part a buffer, a view and an accessor of its
- * own.
- */
+/* Write glTF files from parts, each with a buffer, a view and an accessor of its own. */
 #ifndef FOVEAD_TESTS_RENDERER_PARTS_H
 #define FOVEAD_TESTS_RENDERER_PARTS_H
 
@@ -9,7 +7,7 @@
 #include "import/image_io.h"
 #include "scene/scene.h"
 
-/* Prints and holds a measured value to what it must be. */
+/* Print a measured value, and check that it is near the expected one. */
 static inline void assert_within(const char *what, double value, double expected, double relative)
 {
     print_message("%-52s %.5f of %.5f: %+.3f %%\n", what, value, expected, 100.0 * (value / expected - 1.0));
@@ -30,7 +28,7 @@ static inline void files_rows(struct rnd_pixels_source *source, int first, int c
            (size_t)count * floats->row * sizeof *out_pixels);
 }
 
-/* A picture of any channels: as rnd_pixels_write(), to a path. */
+/* Write a picture of any channels: like rnd_pixels_write(), but to a path. */
 static inline void files_pixels(const char *path, const char *format, int width, int height, int channels,
                                 const struct rnd_channel *channel, const float *data)
 {
@@ -45,7 +43,7 @@ static inline void files_pixels(const char *path, const char *format, int width,
     assert_int_equal(fclose(file), 0);
 }
 
-/* An OBJ of one box with that material, which is named m. */
+/* Write an OBJ of one box with this material, which is named m. */
 static inline const char *files_box_scene(const char *name, const char *material, const double low[3],
                                           const double high[3])
 {
@@ -60,8 +58,8 @@ static inline const char *files_box_scene(const char *name, const char *material
 
 #define NEAR(a, b) assert_float_equal(a, b, 1e-4)
 
-/* Bytes of a buffer of their own, whose view and accessor have its number; the accessor's keys but for the
- * view, or NULL: it has none, nor any part after it. */
+/* Part i has buffer, view and accessor i. `accessor` holds the accessor's keys except the view; if it is
+ * NULL, neither this part nor a later one has an accessor. */
 struct files_part {
     const void *bytes;
     size_t size;
@@ -86,7 +84,7 @@ static const uint16_t files_two[6] = {0, 1, 2, 0, 2, 3};
     "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,1],\"metallicFactor\":0},"                  \
     "\"extensions\":{\"KHR_materials_specular\":{\"specularFactor\":0}}}"
 
-/* Primitives of two meshes that are the square: of the first material, and of the second. */
+/* The primitives of two meshes, which are the square with the first and with the second material. */
 static const char files_two_squares[] =
     "{\"attributes\":{\"POSITION\":0},\"indices\":2,\"material\":0}]},{\"primitives\":["
     "{\"attributes\":{\"POSITION\":0},\"indices\":2,\"material\":1}";
@@ -98,7 +96,7 @@ static inline const char *files_parts(const char *name, const char *primitive, c
                                       const char *materials, const char *more, const struct files_part *part,
                                       size_t count)
 {
-    static char text[1100000], list[3][200000]; /* as large as all that goes in */
+    static char text[1100000], list[3][200000]; /* large enough for all parts */
     size_t n[3] = {0};
     for (size_t i = 0; i < count; i++) {
         const char *comma = i ? "," : "";

@@ -1,4 +1,4 @@
-/* The film's planes: albedo, normals, positions, coverage and instances of rooms in which they are known. */
+/* The film's planes: albedo, normals, positions, coverage and instances, in rooms where they are known. */
 #include "renderer_parts.h"
 #include "renderer_room.h"
 
@@ -8,7 +8,7 @@
 
 enum { ALL = (1u << RND_PLANES) - 1, MARGIN = 5 };
 
-static enum rnd_plane_id looked_at; /* which it shows; of one channel, beside it 0 */
+static enum rnd_plane_id looked_at; /* the plane that is shown; a plane of one channel is followed by zeros */
 
 static int channels_of(enum rnd_plane_id plane)
 {
@@ -43,7 +43,7 @@ static struct rnd_render *make_with(const struct rnd_scene *scene, const struct 
     return render;
 }
 
-/* Planes of a film, or of a level of it, as a picture each. */
+/* The planes of a film, or of one of its levels, each as a picture. */
 struct seen {
     int width, height;
     float plane[RND_PLANES][3 * PIXELS];
@@ -66,7 +66,7 @@ static void look_at_planes(struct rnd_render *render, int level, struct seen *ou
             }
 }
 
-/* Is the direction (unit) within pixel i? By a little more than rounding. */
+/* Is the unit direction d within pixel i? The tolerance is a little more than rounding. */
 static bool is_in_pixel(const struct seen *seen, int i, const double d[3])
 {
     const double u = (0.5 + atan2(d[0], -d[2]) / (2 * M_PI)) * seen->width - i % seen->width,
@@ -82,7 +82,7 @@ static void uniform(struct rnd_render *render, int per_pixel)
         rnd_render_batch(render, &aim, 1, (uint32_t)(render->film.width * render->film.height), &batch);
 }
 
-/* --- a box without its lid, seen from its middle --- */
+/* --- a box without a lid, seen from its middle --- */
 
 enum { W = 256 };
 static const double half_box[3] = {2, 1.5, 2.5}, camera[3] = {0.3, -0.2, 0.4};
@@ -102,7 +102,8 @@ static const char *open_box(void)
     return files_text("open.obj", text);
 }
 
-/* What is seen in a direction: which axis the wall is across, and its side; axis 1 and side 1 is the sky. */
+/* Which wall is seen in a direction: returns the axis that the wall is perpendicular to, and its side. Axis 1
+ * with side 1 is the sky. */
 static int wall_at(const double d[3], int *out_side)
 {
     double nearest = INFINITY;
@@ -115,7 +116,7 @@ static int wall_at(const double d[3], int *out_side)
     return axis;
 }
 
-/* The wall of pixel i if all of the pixel shows the same; -1: it does not. */
+/* The wall that all of pixel i shows; -1 if the pixel shows several. */
 static int wall_of(const struct seen *seen, int i, int *out_side)
 {
     int wall = -1;
@@ -158,7 +159,7 @@ static void walls(void **state)
             assert_true(coverage == 0 && instance == 0);
             counts[0]++;
         }
-        if (axis < 0 && coverage > 0 && coverage < 1) mixed++; /* wall and sky: the mean is of all paths */
+        if (axis < 0 && coverage > 0 && coverage < 1) mixed++; /* wall and sky: the mean over all paths */
         if (axis < 0 || (axis == 1 && side == 1)) continue;
         double d[3], length = 0;
         for (int c = 0; c < 3; c++) {
@@ -178,7 +179,7 @@ static void walls(void **state)
     }
     print_message("pixels of sky %d, of one wall %d, of sky and wall %d\n", counts[0], counts[1], mixed);
     assert_true(counts[0] > 3000 && counts[1] > 20000 && mixed > 100);
-    for (int a = 0; a < 5; a++) /* walls are meshes of their own */
+    for (int a = 0; a < 5; a++) /* each wall is a mesh of its own */
         for (int b = a + 1; b < 6; b++)
             if (a != 3 && b != 3) assert_int_not_equal(instances[a / 2][a % 2], instances[b / 2][b % 2]);
     rnd_render_destroy(render);
@@ -187,9 +188,9 @@ static void walls(void **state)
 
 /* --- a square under the camera: kinds of material, textures, vertex colours, normal maps, instances --- */
 
-enum { MANY = 1200 }; /* times the square is in its mesh, so that it pays to store it once */
+enum { MANY = 1200 }; /* the mesh repeats the square, so that its instances share it */
 
-/* normal: of its vertices. */
+/* normal: of the square's vertices. */
 static const char *square(const char *nodes, const char *material, const double normal[3])
 {
     static float normals[12];
@@ -214,14 +215,14 @@ static const char *square(const char *nodes, const char *material, const double 
         parts, 5);
 }
 
-/* Is what is seen there far enough from the edges, and from the middle, where the texture changes? */
+/* Is this place far enough from the edges, and from the middle, where the texture changes? */
 static bool is_inside(const double local[3])
 {
     return fabs(local[0]) < 0.95 && fabs(local[2]) < 0.95 && fabs(local[0]) > 0.05;
 }
 
-/* All pixels that show the square, which is scaled, turned and moved, with that normal in its own
- * coordinates. Returns how many. */
+/* Check all pixels that show the square, which is scaled, turned and moved. own_normal is in the square's own
+ * coordinates. Returns how many pixels there were. */
 static int check_square(const struct seen *seen, const double *origin, const double turn[3][3],
                         const double scale[3], const double move[3], const double own_normal[3], int instance)
 {
@@ -243,7 +244,7 @@ static int check_square(const struct seen *seen, const double *origin, const dou
         rnd_direction((float)(((i % seen->width + 0.5) / seen->width - 0.5) * 2 * M_PI),
                       (float)((0.5 - (i / seen->width + 0.5) / seen->height) * M_PI), d);
         for (int c = 0; c < 3; c++) length += normal[c] * normal[c], seen_from -= normal[c] * (double)d[c];
-        if (seen_from < 0.1 * sqrt(length)) continue; /* normals are bent there until they are seen */
+        if (seen_from < 0.1 * sqrt(length)) continue; /* at flat angles normals are bent towards the viewer */
         for (int c = 0; c < 3; c++) {
             assert_float_equal(seen->plane[RND_PLANE_ALBEDO][3 * i + c], own[c] * half[local[0] > 0][c],
                                2e-3);
@@ -267,7 +268,7 @@ static void materials(void **state)
         "\"extensions\":{\"KHR_materials_clearcoat\":{\"clearcoatFactor\":1}}}"};
     static const enum rnd_material_kind kind[] = {RND_DIFFUSE, RND_METAL_ROUGH, RND_METAL_ROUGH, RND_RICH};
     static const double up[3] = {0, 1, 0}, oblique[3] = {0.6, 0.8, 0},
-                        mapped[3] = {0, 0.8660254, -0.5}; /* up the picture is -z */
+                        mapped[3] = {0, 0.8660254, -0.5}; /* the top of the picture is towards -z */
     static const double turn[2][3][3] = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
                                          {{0.8, -0.6, 0}, {0.6, 0.8, 0}, {0, 0, 1}}};
     static const double scale[2][3] = {{1, 1, 1}, {2, 0.5, 1}}, move[2][3] = {{0, 0, 0}, {0, 0, -3}};
@@ -290,8 +291,8 @@ static void materials(void **state)
             uniform(render, 3);
             look_at_planes(render, 0, &seen);
             for (int s = 0; s <= shared; s++) {
-                /* normals shrink where lengths grow; a map bends them along the surface as it is in the
-                 * world */
+                /* Where lengths grow, normals shrink. A map bends the normal along the surface as it is in
+                 * the world. */
                 const double stretched[3] = {oblique[0] / scale[s][0], oblique[1] / scale[s][1], 0};
                 const int count = check_square(&seen, scene->origin, turn[s], scale[s], move[s],
                                                k < 2 ? stretched : mapped, shared ? 2 + s : 0);
@@ -303,7 +304,7 @@ static void materials(void **state)
         }
 }
 
-/* --- the same with any threads, and nothing else changes --- */
+/* --- threads and planes do not change the film --- */
 
 static void threads(void **state)
 {
@@ -316,7 +317,7 @@ static void threads(void **state)
         look_around(render, 8, 6000 + 77);
         rnd_render_resolve(render, film[i].rgb, film[i].samples, film[i].error);
         if (i < 2) look_at_planes(render, 0, &seen[i]);
-        if (i == 0) { /* begun anew, they are what they were */
+        if (i == 0) { /* started anew, the planes are the same */
             rnd_render_restart(render, room, (const double[]){1, 0, 1});
             look_around(render, 5, 3000);
             rnd_render_restart(render, room, rnd_scene_info(room)->camera);
@@ -328,12 +329,12 @@ static void threads(void **state)
     }
     assert_memory_equal(&seen[0], &seen[1], sizeof seen[0]);
     assert_memory_equal(&film[0], &film[1], sizeof film[0]);
-    assert_memory_equal(&film[0], &film[2], sizeof film[0]); /* radiance, without planes */
+    assert_memory_equal(&film[0], &film[2], sizeof film[0]); /* the radiance without planes is the same */
 }
 
 /* --- levels --- */
 
-/* A pixel of a level is the mean of those pixels below it that have paths. */
+/* Check that a pixel of a level is the mean of the pixels below it that have paths. */
 static void check_level(struct rnd_render *render, int level, const struct film *film)
 {
     static struct seen fine, coarse;
@@ -364,13 +365,14 @@ static void check_level(struct rnd_render *render, int level, const struct film 
     assert_true(filled > 0 && partial > 0);
 }
 
-/* Of the film's 512 x 256 pixels there are three levels by pixels. A wider one has levels by blocks, too. */
+/* A film of 512 x 256 pixels has three levels, made from pixels. A wider one also has levels made from
+ * blocks. */
 static void levels(void **state)
 {
     (void)state;
     static struct film film;
     struct rnd_render *render = make_with(room, &shows_planes, WIDTH, "fv", 2);
-    for (int batches = 0; batches < 2; batches++) { /* listed paths, and spread ones */
+    for (int batches = 0; batches < 2; batches++) { /* first with few paths, in a list, then with many */
         look_around(render, 7 * batches, 5000);
         rnd_render_resolve(render, NULL, film.samples, NULL);
         for (int level = 1; level < 3; level++) check_level(render, level, &film);
@@ -378,7 +380,7 @@ static void levels(void **state)
     rnd_render_destroy(render);
 }
 
-/* Blocks sum up their pixels. */
+/* A block's planes are the sum over its pixels. */
 static void blocks(void **state)
 {
     (void)state;
@@ -413,7 +415,8 @@ static void blocks(void **state)
 
 static struct seen all;
 
-/* Every pixel of the window is that of the picture, which goes on at the seam and over the poles. */
+/* Every pixel of the window and its margin is that of the picture, which continues across the seam and the
+ * poles. */
 static bool run_margin(void *memory, const struct rnd_window *window, float *out_rgb)
 {
     if (window->side == RND_TILE + 2 * MARGIN)

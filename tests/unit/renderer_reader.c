@@ -1,4 +1,5 @@
-/* Reading by other programs: textures without their finest levels, large pictures, and cancelled scenes. */
+/* Other programs read pictures and scenes: textures without their finest levels, large pictures, and
+ * cancelled scenes. */
 #include "renderer_files.h"
 
 #include "import/textures.h"
@@ -37,7 +38,7 @@ static struct rnd_texture load(const char *path, enum rnd_pixels_use use, int sk
     return texture;
 }
 
-/* Levels that are kept are the same, bit for bit, as without a limit. */
+/* Levels that are kept are the same, bit for bit, as without a limit of memory. */
 static void without_finest(void **state)
 {
     (void)state;
@@ -68,8 +69,8 @@ static void without_finest(void **state)
         }
 }
 
-/* The size of a picture is read without its pixels, also from memory; a file that is no picture gives one
- * line. */
+/* The size of a picture, in a file or in memory, is read without its pixels. A file that is not a picture
+ * gives one line. */
 static void sizes(void **state)
 {
     (void)state;
@@ -98,9 +99,9 @@ static void sizes(void **state)
     rnd_image_reader_finish(&images);
 }
 
-/* --- pictures of many packets, which end where strips of rows do not --- */
+/* --- pictures of many packets, whose ends are not those of strips of rows --- */
 
-/* A value that tells where it is, exact in half floats and in 8 bits. */
+/* A value that identifies its place, and is exact in half floats and in 8 bits. */
 static float at(int x, int y, int c)
 {
     return (float)((x * 31 + y * 17 + c * 5) % 256);
@@ -121,7 +122,7 @@ static const char *picture(const char *name, int width, int height, float scale)
     return path;
 }
 
-/* An environment map of 1024 x 512 is 6 MiB of floats, which no round number of packets makes. */
+/* An environment map of 1024 x 512 takes 6 MiB of floats, which is not a whole number of packets. */
 static void large_environment(void **state)
 {
     (void)state;
@@ -144,7 +145,7 @@ static void large_environment(void **state)
     }
 }
 
-/* The same of textures, whose texels are bytes. */
+/* The same for textures, whose texels are bytes. */
 static void large_texture(void **state)
 {
     (void)state;
@@ -167,7 +168,7 @@ static void large_texture(void **state)
             for (int x = 0; x < width; x += 7) {
                 const struct rnd_texel t = rnd_texture_at(
                     texture, wrap, true, ((float)x + 0.5f) / (float)width, ((float)y + 0.5f) / (float)height);
-                /* linear from sRGB, to which values were encoded */
+                /* linear; the values were encoded as sRGB */
                 wrong += !(fabsf(t.g - at(x, y, 1) / 255.0f) < 0.005f);
                 seen++;
             }
@@ -177,7 +178,7 @@ static void large_texture(void **state)
     }
 }
 
-/* --- a copy that a hostile file has taken over --- */
+/* --- a reading process that a hostile file has taken over --- */
 
 struct counting {
     struct rnd_pixels_sink sink; /* first */
@@ -198,7 +199,7 @@ static bool count_rows(struct rnd_pixels_sink *sink, int first, int rows, const 
     return true;
 }
 
-/* Read with packets that have come already, or with bytes that are no packets. */
+/* Read a picture when these packets have already arrived, followed by a byte that is no packet. */
 static bool read_of(const enum rnd_image_packet *kind, const void *const *bytes, const size_t *count,
                     int packets, const atomic_bool *cancel, struct counting *out,
                     char out_error[RND_ERROR_SIZE])
@@ -230,28 +231,28 @@ static void hostile(void **state)
     const size_t none[] = {0}, sizes_of[] = {sizeof one, sizeof pixel};
     char error[RND_ERROR_SIZE] = "";
     struct counting got;
-    /* an end before anything began is no picture */
+    /* An end without a beginning is not a picture. */
     assert_false(read_of(end, nothing, none, 1, NULL, &got, error));
     assert_int_equal(got.begun, 0);
-    /* a copy that goes in the middle of a picture is not replaced: its picture has begun */
+    /* A process that ends in the middle of a picture is not replaced, because its picture has begun. */
     assert_false(read_of(begin, half, sizes_of, 2, NULL, &got, error));
     assert_int_equal(got.begun, 1);
     assert_int_equal(got.rows, 0);
-    /* whatever it has to say, nobody listens who does not want it any more */
+    /* When the picture is no longer wanted, nothing that the process sends is read. */
     assert_false(read_of(begin, half, sizes_of, 2, &no_more, &got, error));
     assert_string_equal(error, "nobody wants it any more");
     assert_int_equal(got.begun, 0);
-    /* before the picture began, another copy is asked */
+    /* If the process ends before the picture has begun, another process is asked. */
     assert_true(read_of(NULL, NULL, NULL, 0, NULL, &got, error));
     assert_int_equal(got.begun, 1);
     assert_int_equal(got.rows, 23);
 }
 
-/* --- what is named many times --- */
+/* --- data that is used many times --- */
 
 enum { SIDE = 256, CORNERS = SIDE * SIDE, INDICES = 6 * (SIDE - 1) * (SIDE - 1), TIMES = 12 };
 
-/* A square of 130,050 triangles that a glTF has under so many meshes, all of the same bytes. */
+/* A glTF with this many meshes that all use the same bytes, a square of 130,050 triangles. */
 static const char *square(int meshes)
 {
     static float corner[CORNERS][3];
@@ -296,7 +297,7 @@ static const char *square(int meshes)
     return files_text("square.gltf", json);
 }
 
-/* Small files can make large trees. */
+/* A small file can make a large tree. */
 static void large_trees(void **state)
 {
     (void)state;
@@ -319,7 +320,7 @@ static void large_trees(void **state)
 
 /* --- the end --- */
 
-/* A cancelled read reads nothing. */
+/* A cancelled read does not read anything. */
 static void cancelled(void **state)
 {
     (void)state;
@@ -334,7 +335,7 @@ static void cancelled(void **state)
     assert_non_null(strstr(error, "room.obj: "));
     rnd_image_size_apart(&images,
                          &(struct rnd_pixels_file){noise("odd.png", 37, 23), NULL, 0, RND_PIXELS_SRGB, true},
-                         &picture, error, sizeof error); /* either way, it comes back */
+                         &picture, error, sizeof error); /* must return, whatever the result */
     rnd_image_reader_finish(&images);
 }
 

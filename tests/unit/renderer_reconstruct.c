@@ -1,4 +1,4 @@
-/* Reconstructions of this test's own: what they are given of a film, and what they show of it. */
+/* Reconstructions defined by this test: what they receive of a film, and what they show of it. */
 #include "renderer_room.h"
 
 #include "film/film.h"
@@ -8,7 +8,7 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
-/* --- a row is asked for what is shown --- */
+/* --- the chosen row of the table decides what is shown --- */
 
 static int begun, ended;
 
@@ -28,7 +28,7 @@ static void end(void *memory)
     free(memory);
 }
 
-/* Shows which tile it is, if there is any path. */
+/* Shows the tile's number if the tile has any path. */
 static bool run_stamp(void *memory, const struct rnd_window *window, float *out_rgb)
 {
     float paths = 0;
@@ -62,7 +62,7 @@ static struct rnd_render *make_shown(const struct rnd_reconstruction *row, char 
     return make_of(room, row, out_error);
 }
 
-/* What is shown is the row's; what is resolved is the film's mean all the same. */
+/* The row decides what is shown. What is resolved is still the film's mean. */
 static void chosen(void **state)
 {
     (void)state;
@@ -108,14 +108,15 @@ static void no_memory(void **state)
     ended = 0;
     assert_null(make_shown(&row, error));
     assert_non_null(strstr(error, "memory"));
-    assert_int_equal(ended, 0); /* what has not begun does not end */
+    assert_int_equal(ended, 0); /* what has not begun is not ended */
 }
 
 /* --- neighbours --- */
 
 enum { RADIUS = 11 };
 
-/* Radiance from the direction (u, v) of the panorama; beyond a pole the formula goes on on the other side. */
+/* The radiance from the direction (u, v) of the panorama. Beyond a pole the formula continues on the other
+ * side. */
 static void from_direction(double u, double v, double out[3])
 {
     const double azimuth = 2 * M_PI * (u - 0.5), elevation = M_PI * (0.5 - v);
@@ -124,7 +125,7 @@ static void from_direction(double u, double v, double out[3])
     out[2] = 2 - cos(elevation) * cos(azimuth);
 }
 
-/* Two paths in every pixel, of the radiance from its middle. */
+/* Add two paths to every pixel, with the radiance from the direction of its middle. */
 static void fill(struct rnd_film *film)
 {
     static struct rnd_sample samples[2 * RND_TILE_PIXELS];
@@ -142,7 +143,7 @@ static void fill(struct rnd_film *film)
     }
 }
 
-/* All of a window is what the directions of its pixels say. Shows how far off it is. */
+/* Compare every pixel of the window with the radiance from its direction. Shows the largest difference. */
 static bool run_neighbours(void *memory, const struct rnd_window *window, float *out_rgb)
 {
     const int radius = (window->side - RND_TILE) / 2, across = WIDTH >> window->level,
@@ -178,11 +179,11 @@ static void neighbours(void **state)
         for (int t = 0; t < TILES >> 2 * level; t++) {
             const int across = film.across >> level;
             assert_true(rnd_reconstruct(&reconstructor, level, t % across, t / across, rgb, &tile));
-            /* a pixel of a level is the mean of its parts, and curves away from the middle of it */
+            /* a pixel of a level is the mean of its parts, which differs from the radiance at its middle */
             assert_true(rgb[0] < (level ? 1e-3 * (1 << 2 * level) : 1e-6));
             assert_int_equal(tile.samples, 2 * RND_TILE_PIXELS << 2 * level);
         }
-    /* a neighbour of another generation: the picture begins anew just now */
+    /* A neighbour has another generation: the picture is just starting anew. */
     film.tile[1].state.generation = 2;
     assert_false(rnd_reconstruct(&reconstructor, 0, 0, 0, rgb, &tile));
     assert_int_equal(tile.generation, 1);
@@ -193,18 +194,18 @@ static void neighbours(void **state)
 
 /* --- history --- */
 
-/* What a row found of a tile's history. */
+/* What a row finds in a tile's history. */
 struct found {
     bool any;
     struct rnd_camera present, former;
     float mean[RND_TILE * RND_TILE][3], paths[RND_TILE * RND_TILE];
-    bool astray; /* a position that the camera which is said to have seen it does not see there */
+    bool astray; /* the history's camera does not see one of the positions in its pixel */
 };
 
 static _Thread_local struct found found;
 
-/* Does the camera see the position within pixel (x, y) of the film, or next to it? Near the poles pixels
- * are too narrow to tell. */
+/* Does the camera see the position within pixel (x, y) of the film, or in the next pixel? Always true near
+ * the poles, where pixels are too narrow to tell. */
 static bool sees(const struct rnd_camera *camera, const float position[3], int x, int y)
 {
     double d[3], length = 0;
@@ -222,7 +223,7 @@ static void check_positions(const struct rnd_window *window, const struct rnd_ca
                             const struct rnd_sum *sums, const float *values)
 {
     for (int i = 0; i < RND_TILE_PIXELS; i++) {
-        const float *value = values + 4 * i; /* position and coverage */
+        const float *value = values + 4 * i; /* x, y, z of the position, then coverage */
         if (sums[i].paths == 0) continue;
         if (value[3] != 1 ||
             !sees(camera, value, window->x * RND_TILE + i % RND_TILE, window->y * RND_TILE + i / RND_TILE))
@@ -255,7 +256,8 @@ static const struct rnd_reconstruction keeper = {.name = "keeper",
                                                  .keeps_history = true,
                                                  .run = run_history};
 
-/* In all tiles: there is no history (camera is NULL), or what that film had that was seen from there. */
+/* Check that no tile has a history (camera is NULL), or that the history of every tile is that film, seen
+ * from that camera. */
 static void check_history(struct rnd_render *render, const struct film *film, const double *camera,
                           bool is_closed)
 {
@@ -266,7 +268,7 @@ static void check_history(struct rnd_render *render, const struct film *film, co
         assert_true(rnd_render_read(render, 0, left / RND_TILE, top / RND_TILE, rgb, NULL));
         if (is_closed) assert_false(found.astray);
         if (!camera) assert_false(found.any);
-        if (!found.any) continue; /* or no path fell there */
+        if (!found.any) continue; /* no history, or no path fell into this tile */
         tiles++;
         for (int c = 0; c < 3; c++) assert_float_equal(found.former.position[c], camera[c], 1e-6);
         for (int i = 0; i < RND_TILE_PIXELS; i++) {
@@ -295,19 +297,19 @@ static void former_camera(void **state)
     rnd_render_restart(render, room, places[1]);
     check_history(render, &film[0], places[0], true); /* before there is a path */
     look_around(render, 4, 6000);
-    check_history(render, &film[0], places[0], true); /* while there are fewer */
+    check_history(render, &film[0], places[0], true); /* while there are fewer paths than in film[0] */
     rnd_render_restart(render, room, places[2]);
-    check_history(render, &film[0], places[0], true); /* that was the better one */
+    check_history(render, &film[0], places[0], true); /* film[0] has more paths than the film in between */
     look_around(render, 3, 8000);
     check_history(render, &film[0], places[0], true);
     look_around(render, 1, 6000);
-    check_history(render, NULL, NULL, true); /* as many paths as there were */
+    check_history(render, NULL, NULL, true); /* now there are as many paths */
     rnd_render_resolve(render, film[1].rgb, film[1].samples, film[1].error);
     rnd_render_restart(render, room, places[3]);
     check_history(render, &film[1], places[2], true);
     look_around(render, 4, 6000);
 
-    /* the picture is what it is without history */
+    /* The picture is the same as without history. */
     rnd_render_resolve(render, film[0].rgb, film[0].samples, film[0].error);
     rnd_render_restart(other, room, places[3]);
     look_around(other, 4, 6000);
@@ -317,7 +319,7 @@ static void former_camera(void **state)
     rnd_render_destroy(other);
 }
 
-/* Of another scene, or one whose textures came, the former picture is no history. */
+/* After a change of scene or of textures, the former picture is not used as history. */
 static void edited(void **state)
 {
     (void)state;
@@ -358,7 +360,7 @@ static void edited(void **state)
     rnd_render_destroy(render);
 }
 
-/* One former film at most, and none for a row that does not want it. */
+/* At most one former film is kept, and none for a row that does not want it. */
 static void history_memory(void **state)
 {
     (void)state;
@@ -387,7 +389,7 @@ static void history_memory(void **state)
     rnd_render_destroy(other);
 }
 
-/* A tile without a path takes the memory of one that had some, and is empty all the same. */
+/* A tile without paths that reuses the memory of a tile with paths is empty. */
 static void reused_memory(void **state)
 {
     (void)state;
@@ -399,8 +401,7 @@ static void reused_memory(void **state)
     struct rnd_pool *pool = rnd_pool_create(2);
     assert_true(rnd_film_init(&film, WIDTH, HEIGHT, 0.05f, RND_PLANE(ALBEDO), &camera));
     assert_true(rnd_film_init(&history, WIDTH, HEIGHT, 0.05f, RND_PLANE(ALBEDO), &camera));
-    for (uint32_t i = 0; i < 3;
-         i++) { /* tile 0, tile 1, and tile 0 once more, in the memory of the first time */
+    for (uint32_t i = 0; i < 3; i++) { /* tile 0, tile 1, and tile 0 again, in the memory of the first time */
         struct rnd_film_tile *tile = &film.tile[i % 2];
         rnd_film_add(&film, tile, &sample, albedo, 1, &aim, 1);
         const float *block = rnd_film_plane_block(&film, tile, 1);
@@ -420,7 +421,7 @@ struct reader {
     _Atomic uint64_t astray, newer, histories;
 };
 
-/* Cameras go up the x axis. */
+/* Read tiles. Cameras move up the x axis, so an earlier camera has a smaller x. */
 static void *read_on(void *argument)
 {
     struct reader *reader = argument;
@@ -436,8 +437,8 @@ static void *read_on(void *argument)
     return NULL;
 }
 
-/* Whoever reads while the camera moves sees pixels, planes and camera of one picture, and those of an
- * earlier one. */
+/* A thread that reads while the camera moves gets pixels, planes and camera of the same picture, and a
+ * history that is earlier. */
 static void readers(void **state)
 {
     (void)state;

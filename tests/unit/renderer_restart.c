@@ -1,4 +1,4 @@
-/* Restarts: a restarted render is bit for bit like a new one, and threads that read meanwhile see one
+/* Restarts: a restarted render is the same as a new one, bit for bit, and threads that read meanwhile see one
  * generation at a time. */
 #include "renderer_room.h"
 
@@ -47,7 +47,7 @@ static void assert_same(const struct all *one, const struct all *other)
     assert_memory_equal(one->coarse, other->coarse, sizeof one->coarse);
 }
 
-/* Everything of a new render of the scene. */
+/* Read everything of a new render of the scene. */
 static void fresh(const struct rnd_scene *scene, struct all *all)
 {
     struct rnd_render *render = make(scene, WIDTH, "fv", 2);
@@ -68,19 +68,19 @@ static void as_fresh(void **state)
     fresh(scene, &other);
     assert_memory_not_equal(&first.film, &other.film, sizeof first.film);
 
-    look_around(render, 9, 2000); /* what was before must not matter */
+    look_around(render, 9, 2000); /* earlier paths must not matter */
     rnd_render_restart(render, room, rnd_scene_info(room)->camera);
     look_around(render, 5, 6000);
     read_all(render, &again);
     assert_same(&first, &again);
 
-    rnd_render_restart(render, scene, near_the_wall); /* another scene, seen from elsewhere */
+    rnd_render_restart(render, scene, near_the_wall); /* another scene from another place */
     look_around(render, 5, 6000);
     read_all(render, &again);
     assert_same(&other, &again);
 
-    rnd_render_restart(render, room, near_the_wall); /* the same scene, seen from elsewhere */
-    rnd_scene_destroy(scene);                        /* which nothing uses any more */
+    rnd_render_restart(render, room, near_the_wall); /* the first scene from another place */
+    rnd_scene_destroy(scene);                        /* no render uses it any more */
     look_around(render, 5, 6000);
     read_all(render, &before);
     assert_memory_not_equal(&before.film, &first.film, sizeof first.film);
@@ -92,8 +92,8 @@ static void as_fresh(void **state)
     rnd_render_destroy(render);
 }
 
-/* A batch with an aim that is stale from the start leaves out all paths: no tile answers its gaze, and a
- * restart after it is still like a new render. */
+/* A batch whose aim is stale from the start traces no path: no tile answers its gaze, and a restart after it
+ * is still the same as a new render. */
 static void left_out(void **state)
 {
     (void)state;
@@ -125,7 +125,7 @@ static void left_out(void **state)
     rnd_render_destroy(render);
 }
 
-/* Nothing of the old picture is left, and tiles have their generation. */
+/* Nothing of the old picture is left, and tiles have the new generation. */
 static void empty(void **state)
 {
     (void)state;
@@ -156,7 +156,7 @@ static void empty(void **state)
     rnd_render_destroy(render);
 }
 
-/* --- readers, while a white world and a grey one take turns --- */
+/* --- threads read while a white and a grey world take turns --- */
 
 struct reader {
     struct rnd_render *render;
@@ -200,7 +200,7 @@ static void *read_on(void *argument)
     return NULL;
 }
 
-/* On a busy machine a reader may sleep through many restarts. */
+/* On a busy machine a reading thread may sleep through many restarts. */
 static bool saw_both(struct reader *reader)
 {
     return reader->tiles[0] > 0 && reader->tiles[1] > 0 && reader->whole[0] + reader->whole[1] > 0;
@@ -209,7 +209,7 @@ static bool saw_both(struct reader *reader)
 static void readers(void **state)
 {
     (void)state;
-    /* The world is all environment, but for a speck that nobody sees. */
+    /* The world is only an environment, and a speck that no camera sees. */
     files_text("speck.mtl", "newmtl m\nKd 0 0 0\n");
     const char *path =
         files_text("speck.obj", "mtllib speck.mtl\nusemtl m\nv 0 -9 0\nv 1e-4 -9 0\nv 0 -9 1e-4\nf 1 2 3\n");

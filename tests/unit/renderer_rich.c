@@ -1,5 +1,5 @@
-/* Materials with all that glTF's extensions give them: draws and densities, what a white furnace returns,
- * Fresnel, Snell, Beer and Lambert where they are known. */
+/* Materials with all of glTF's extensions: draws and densities, the white furnace, and Fresnel, Snell, Beer
+ * and Lambert where closed forms are known. */
 #include "path/media.h"
 #include "renderer_bsdf.h"
 
@@ -59,13 +59,13 @@ static void draws_follow_density(void **state)
     (void)state;
     static const double angles[] = {0, 35, 70};
     for (int k = 0; k < CASES; k++)
-        for (int a = SANITIZED; a < 3; a += SANITIZED ? 3 : 1) { /* the second is enough for a sanitizer */
+        for (int a = SANITIZED; a < 3; a += SANITIZED ? 3 : 1) { /* a sanitized build tests only the second */
             const struct case_of_bsdf c = rich(cases[k]);
             assert_true(assert_draws_follow_density(&c, angles[a], 14, 14, (uint32_t)(3 * k + a)) > 0.85);
         }
 }
 
-/* What comes out of a white surface in a white world; inside of a volume of index n radiance is n^2. */
+/* The light that leaves a white surface in a white world. Inside a volume of index n the radiance is n^2. */
 static double furnace(const struct case_of_bsdf *c, double angle_deg)
 {
     struct rnd_material material;
@@ -85,7 +85,8 @@ static double furnace(const struct case_of_bsdf *c, double angle_deg)
     return sum / (side * side);
 }
 
-/* Everything returns all light, within fits: off is the most that is lost, twice the most that is gained. */
+/* Every material returns all light, within the error of fits: at most `off` is lost, and at most half of that
+ * is gained. */
 static void white_furnace(void **state)
 {
     (void)state;
@@ -138,7 +139,8 @@ static void white_furnace(void **state)
     assert_int_equal(wrong, 0);
 }
 
-/* The table for all roughnesses, which textured roughness uses, agrees with those of one roughness. */
+/* The table for all roughnesses, which textured roughness uses, agrees with the tables of single roughnesses.
+ */
 static void glass_of_any_roughness(void **state)
 {
     (void)state;
@@ -157,12 +159,12 @@ static void glass_of_any_roughness(void **state)
         free(one);
     }
     print_message("glass of any roughness: %.4f off at most\n", worst);
-    assert_true(worst < 0.013); /* the most is half a degree above the surface */
+    assert_true(worst < 0.013); /* largest half a degree above the surface */
     free(any);
 }
 
-/* Light through rough glass and back: the same but for the square of the index and what is given back of the
- * light that facets hide, which goes by where light is followed to. */
+/* The BSDF of rough glass is the same in both directions, except for the square of the index and for the
+ * albedo that restores the light lost between facets, which depends on the outgoing direction alone. */
 static void glass_is_reciprocal(void **state)
 {
     (void)state;
@@ -193,8 +195,8 @@ static void glass_is_reciprocal(void **state)
     assert_true(seen > 1000);
 }
 
-/* Snell and Fresnel at smooth glass: known reflectances (at Brewster's angle only one half of the light is
- * reflected at all), directions, and total reflection from 41.8103 degrees on. */
+/* Smooth glass after Snell and Fresnel: known reflectances (at Brewster's angle only one polarisation is
+ * reflected), directions, and total reflection from 41.8103 degrees on. */
 static void smooth_glass(void **state)
 {
     (void)state;
@@ -234,7 +236,7 @@ static void smooth_glass(void **state)
         }
         assert_float_equal((double)reflected / n, known[k].reflectance, 2e-4);
     }
-    /* thin glass does not bend */
+    /* thin glass does not bend light */
     const struct case_of_bsdf thin =
         rich((struct case_of_bsdf){.specular = 1, .transmission = 1, .thin = true});
     struct rnd_material material;
@@ -246,8 +248,8 @@ static void smooth_glass(void **state)
     assert_true(sample.delta && glms_vec3_dot(sample.wi, wo) < -1 + 1e-6);
 }
 
-/* A slab of thickness d that absorbs: of light that falls on it straight,
- * (1 - R)^2 e^(-s d) / (1 - R^2 e^(-2 s d)) passes, and R + that of an odd way more returns. */
+/* An absorbing slab of thickness d at normal incidence: (1 - R)^2 e^(-s d) / (1 - R^2 e^(-2 s d)) of the
+ * light passes. */
 static void absorbing_slab(void **state)
 {
     (void)state;

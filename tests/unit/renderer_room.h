@@ -1,5 +1,4 @@
-/* One room and films of it, for the tests of the film and of the threads: tests of a binary share the scene.
- */
+/* A room and films of it, for the tests of the film and of threads. All tests of a binary share the scene. */
 #ifndef FOVEAD_TESTS_RENDERER_ROOM_H
 #define FOVEAD_TESTS_RENDERER_ROOM_H
 
@@ -36,7 +35,8 @@ static inline struct rnd_render *make(const struct rnd_scene *scene, int width, 
     return render;
 }
 
-/* An outline and a few batches around a gaze that moves over pole and seam. Paths are returned. */
+/* Trace an outline and a few batches around a gaze that moves across a pole and the seam. Returns the number
+ * of paths. */
 static inline uint64_t look_around(struct rnd_render *render, int batches, uint32_t paths)
 {
     struct rnd_aim aim = files_aim(0, 0, -1);

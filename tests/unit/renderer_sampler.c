@@ -1,4 +1,4 @@
-/* The random numbers: known values, and the properties that make them better than random. */
+/* The random numbers: known values, and the properties that make them better than random ones. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -12,7 +12,7 @@
 #include "math/sampler.h"
 #include "statistics.h"
 
-/* The first points of Sobol's sequence, without scrambling, as in published tables. */
+/* The first points of Sobol's sequence without scrambling, as published. */
 static void unscrambled_points(void **state)
 {
     (void)state;
@@ -24,7 +24,7 @@ static void unscrambled_points(void **state)
     }
 }
 
-/* Owen-scrambled with seed 1 in the first dimension and 2 in the second, index not shuffled. */
+/* Owen-scrambled with seed 1 in the first dimension and 2 in the second; the index is not shuffled. */
 static void scrambled_points(void **state)
 {
     (void)state;
@@ -42,14 +42,14 @@ static void bits(void **state)
     assert_int_equal(rnd_reverse(0x12345678u), 0x1e6a2c48u);
     assert_float_equal(rnd_unit(UINT32_MAX), 1.0 - 0x1p-24, 0);
     assert_float_equal(rnd_unit(0), 0.0, 0);
-    for (uint32_t i = 0; i < 1000; i++) /* a bit depends on lower ones alone, and on itself always */
+    for (uint32_t i = 0; i < 1000; i++) /* flipping a bit flips it in the result, and changes no lower bit */
         for (uint32_t seed = 0; seed < 20; seed++)
             for (int b = 0; b < 32; b += 5)
                 assert_int_equal((rnd_permute(i, seed) ^ rnd_permute(i ^ 1u << b, seed)) & ((2u << b) - 1),
                                  1u << b);
 }
 
-/* Every aligned block of 2^k points has one point in each elementary interval of 2^-a x 2^-(k-a). */
+/* Each aligned block of 2^k points has one point in every elementary interval of 2^-a x 2^-(k-a). */
 static void assert_net(uint32_t seed, uint32_t dimension, uint32_t block, int k)
 {
     enum { MOST = 1 << 10 };
@@ -77,7 +77,7 @@ static void net(void **state)
                     assert_net(rnd_hash(seed), dimension, block * 7919u & ((1u << 22) - 1), k);
 }
 
-/* The numbers depend only on their address: in any order, and in any subset, they are the same. */
+/* A number depends only on its address: it is the same in any order and in any subset. */
 static void addressed(void **state)
 {
     (void)state;
@@ -89,8 +89,8 @@ static void addressed(void **state)
     }
 }
 
-/* What two streams' coordinates have to do with each other over 4096 points: the correlation coefficient
- * times the root of the number of points, and chi-square of a 16 x 16 table of their pairs. */
+/* How two streams' coordinates correlate over 4096 points: the correlation coefficient times the square root
+ * of the number of points, and chi-square of a 16 x 16 table of their pairs. */
 static void compare(const uint32_t one[2], int a, const uint32_t other[2], int b, double *out_r,
                     double *out_chi)
 {
@@ -113,10 +113,11 @@ static void compare(const uint32_t one[2], int a, const uint32_t other[2], int b
     *out_chi = chi;
 }
 
-/* Streams of other dimensions, of other seeds, and of neighbouring pixels. Each block of 16 points is a
- * permutation of the table's 16 columns against its 16 rows; were these all equally likely, chi-square would
- * be 240 in the mean and r have a spread of one. Owen's permutations are fewer: with a perfect hash for every
- * node of the tree, the same pairs give 236 to 241 and 1.1 to 1.3, the largest r 3.6. */
+/* Streams of different dimensions, seeds and neighbouring pixels. Each block of 16 points pairs the table's
+ * 16 columns with its 16 rows by a permutation. If all permutations were equally likely, the mean of chi-
+ * square would be 240, and r would have a standard deviation of one. Owen's permutations are fewer: with a
+ * perfect hash for every node of the tree, the same pairs give 236 to 241 and 1.1 to 1.3, and the largest r
+ * is 3.6. */
 static void uncorrelated(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* A sun of any size is equally bright by all ways of finding it: seen by the camera, in a mirror, and by the
+/* A sun of any size is equally bright however it is found: seen by the camera, in a mirror, and by the
  * surfaces that it lights. */
 #include "renderer_files.h"
 
@@ -6,12 +6,13 @@
 #include "path/trace.h"
 #include "render.h"
 
-/* Of a film whose pixels are 0.011 degrees wide: the sun covers some of them, down to a part of one. */
+/* Pixels of this film are 0.011 degrees wide: large suns cover several of them, and the smallest covers part
+ * of one. */
 enum { WIDTH = 32768, HEIGHT = WIDTH / 2 };
 
 static const float diameters[] = {0.53f, 0.1f, 0.04f, 0.005f};
 
-/* Paths in each pixel that a camera needs to find a sun of that size as well as it is tested. */
+/* How many paths per pixel a camera needs to find a sun of this size precisely enough for the test. */
 static uint32_t enough(float diameter)
 {
     return diameter > 0.2f ? 8 : (diameter > 0.02f ? 4096 : 32768) / (SANITIZED ? 16 : 1);
@@ -24,8 +25,8 @@ static struct rnd_light_choice choice_of(const struct rnd_scene *scene)
     return choice;
 }
 
-/* Integral of the radiance that arrives at the camera from within half degrees around a direction, over the
- * solid angle; with so many paths in each pixel. */
+/* The radiance that arrives at the camera from within `half` degrees around a direction, integrated over the
+ * solid angle, with this many paths per pixel. */
 static double arriving(const struct rnd_scene *scene, double azimuth_deg, double elevation_deg, double half,
                        uint32_t paths)
 {
@@ -65,7 +66,7 @@ static void assert_within(const char *what, float diameter, double value, double
     assert_true(fabs(value / expected - 1.0) < files_off(relative));
 }
 
-/* The camera's integral over its disc is the irradiance, in every direction. */
+/* The camera's integral over the sun's disc is its irradiance, in every direction. */
 static void seen(void **state)
 {
     (void)state;
@@ -81,7 +82,7 @@ static void seen(void **state)
         }
 }
 
-/* The same in a mirror, where both the lobe's and the sun's directions find it. */
+/* The same in a mirror, where both directions of the lobe and directions to the sun find it. */
 static void mirrored(void **state)
 {
     (void)state;
@@ -97,13 +98,13 @@ static void mirrored(void **state)
     }
 }
 
-/* The same through a slab of glass, where only chance finds the sun: all but the light that its two faces
- * reflect, (1 - R) / (1 + R) with every reflection inside. */
+/* The same through a slab of glass, where only chance finds the sun. All of its light arrives except what the
+ * two faces reflect: with all inner reflections (1 - R) / (1 + R). */
 static void refracted(void **state)
 {
     (void)state;
     char text[1000] = "mtllib slab.mtl\n";
-    const double r = 0.0502399; /* Fresnel's reflectance of glass of 1.5 at 45 degrees */
+    const double r = 0.0502399; /* Fresnel's reflectance at 45 degrees, index 1.5 */
     files_text("slab.mtl", "newmtl m\nKd 1 1 1\nNi 1.5\nillum 7\n");
     files_box(text, sizeof text, "m", (double[]){-9, 1, -9}, (double[]){9, 1.1, 9});
     const char *path = files_text("slab.obj", text);
@@ -116,7 +117,7 @@ static void refracted(void **state)
     }
 }
 
-/* The same by the light on a floor. */
+/* The same from the light on a floor. */
 static void lights(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* The material at a hit: factors, texture transforms, the second set of texture coordinates, vertex colours,
- * normal maps. */
+/* The material at a hit: factors, texture transforms, the second set of texture coordinates, vertex colours
+ * and normal maps. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,7 +14,8 @@
 
 #include <stdlib.h>
 
-/* A triangle in z = 0 that faces +z, u to the right and v down, as in a picture hung there. */
+/* A triangle in the plane z = 0 that faces +z. u points to the right and v down, as in a picture on a wall.
+ */
 static float position[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0}, uv0[] = {0, 1, 1, 1, 0, 0},
              uv1[] = {0.75f, 0.75f, 0.75f, 0.75f, 0.75f, 0.75f};
 static uint32_t triangle[1][3] = {{0, 1, 2}};
@@ -57,7 +58,7 @@ static int setup(void **state)
     return 0;
 }
 
-/* The surface in the triangle's middle, seen straight from the front or the back. */
+/* The surface in the middle of the triangle, seen straight on from the front or the back. */
 static struct rnd_surface look_by(bool front, const struct rnd_filter *filter)
 {
     const struct rnd_point point = {.u = 1 / 3.0f, .v = 1 / 3.0f};
@@ -70,13 +71,13 @@ static struct rnd_surface look_by(bool front, const struct rnd_filter *filter)
     return s;
 }
 
-/* By the finest level, the nearest texel. */
+/* The same with the nearest texel of the finest level. */
 static struct rnd_surface look(bool front)
 {
     return look_by(front, &(struct rnd_filter){.pick = {0.5f, 0.5f}});
 }
 
-/* RGBA of a file of so many channels; at most 2 x 2. */
+/* Use a texture of at most 2 x 2 pixels, as RGBA made from a file with this many channels. */
 static void use_texture(int width, int height, int channels, const uint8_t *bytes)
 {
     static uint8_t rgba[16];
@@ -109,7 +110,7 @@ static void every_map_has_its_channel(void **state)
     /* no alpha channel: 1 */
     use_texture(1, 1, 3, rgba);
     assert_float_equal(look(true).layers.specular, 1, 1e-6);
-    /* vertex colours, which records have in 10 bits, multiply the base */
+    /* vertex colours are stored with 10 bits, and multiply the base */
     float colour[] = {1, 0.5f, 0, 1, 1, 0.5f, 0, 1, 1, 0.5f, 0, 1};
     mesh.colour = colour;
     assert_float_equal(look(true).base.y, 0.2, 5e-4);
@@ -119,7 +120,7 @@ static void every_map_has_its_channel(void **state)
 static void uv_sets_and_transforms(void **state)
 {
     (void)state;
-    uint8_t grey[] = {0, 51, 102, 204}; /* of 2 x 2: 0 0.2 / 0.4 0.8 */
+    uint8_t grey[] = {0, 51, 102, 204}; /* 2 x 2 texels: 0, 0.2 / 0.4, 0.8 */
     use_texture(2, 2, 1, grey);
     struct rnd_map *map = &material.map[RND_MAP_BASE];
     map->texture = 0;
@@ -130,7 +131,7 @@ static void uv_sets_and_transforms(void **state)
     assert_float_equal(look(true).base.x, 0.4, 1e-5);
     memcpy(map->transform, (float[]){0, 1, 0, -1, 0, 1}, sizeof map->transform); /* to 0.75, 0.25 */
     assert_float_equal(look(true).base.x, 0.2, 1e-5);
-    /* without texture coordinates, all are (0, 0); in both sets */
+    /* without texture coordinates, all of them count as (0, 0), in both sets */
     mesh.uv[0] = mesh.uv[1] = NULL;
     for (map->uv_set = 0; map->uv_set < 2; map->uv_set++) {
         memcpy(map->transform, (float[]){1, 0, 0.75f, 0, 1, 0.25f}, sizeof map->transform);
@@ -140,8 +141,8 @@ static void uv_sets_and_transforms(void **state)
     }
 }
 
-/* Red leans to the right of the picture, green up; from behind the normal is the same, turned around; scale
- * stretches it; a texture turned by a quarter leans another way. */
+/* Red leans to the right of the picture, green to its top. From behind the normal is the same, reversed.
+ * `scale` makes the lean larger, and a texture that is turned by a quarter turns the lean. */
 static void normal_maps(void **state)
 {
     (void)state;
@@ -166,14 +167,15 @@ static void normal_maps(void **state)
     assert_float_equal(look(true).shading.y, 0.3f / sqrtf(0.09f + 0.8039f * 0.8039f), 2e-3);
     material.normal_scale = 1;
 
-    /* u' = v, v' = -u: u' grows downwards, so that red leans down */
+    /* u' = v, v' = -u: u' grows downwards, so red leans down */
     use_texture(1, 1, 3, red);
     struct rnd_map *map = &material.map[RND_MAP_NORMAL];
     map->has_transform = true;
     memcpy(map->transform, (float[]){0, 1, 0, -1, 0, 0}, sizeof map->transform);
     assert_float_equal(look(true).shading.y, -lean, 2e-3);
 
-    /* one that points away is bent until it is seen; texture coordinates without extent change nothing */
+    /* A normal that points away is bent towards the viewer. Texture coordinates that do not vary change
+     * nothing. */
     uint8_t away[] = {255, 128, 20};
     use_texture(1, 1, 3, away);
     n = look(true).shading;
@@ -187,8 +189,8 @@ static void normal_maps(void **state)
     assert_float_equal(look(true).shading.z, 1, 1e-6);
 }
 
-/* The mean over random numbers is what bilinear interpolation gives: the middle of the triangle, at (1/3,
- * 2/3) of 2 x 2 texels, is 1/6 of a texel right of the left ones, and as much above the lower ones. */
+/* The mean over random numbers is what bilinear interpolation gives. The middle of the triangle, at (1/3,
+ * 2/3) of 2 x 2 texels, is 1/6 of a texel to the right of the left ones and 1/6 above the lower ones. */
 static void texels_are_picked_by_weight(void **state)
 {
     (void)state;
@@ -206,12 +208,12 @@ static void texels_are_picked_by_weight(void **state)
     assert_float_equal(mean, (1 - down) * right * 0.2 + down * ((1 - right) * 0.4 + right * 0.8), 1e-4);
 }
 
-/* A cone as wide as the picture sees the coarsest level: with the first set of texture coordinates and the
- * second. */
+/* A cone as wide as the picture sees the coarsest level, with the first and with the second set of texture
+ * coordinates. */
 static void levels_by_footprint(void **state)
 {
     (void)state;
-    /* 4 x 4 of 0, 2 x 2 of 0.4, 1 of 0.8 */
+    /* levels of 4 x 4, 2 x 2 and 1 texels with the values 0, 0.4 and 0.8 */
     static uint8_t rgba[4 * 21];
     for (int i = 0; i < 21; i++) memset(rgba + 4 * i, i < 16 ? 0 : i < 20 ? 102 : 204, 4);
     texture = (struct rnd_texture){
@@ -232,7 +234,7 @@ static void levels_by_footprint(void **state)
             assert_float_equal(look_by(true, &finer).base.x, known[k].value, 1e-6);
         }
     mesh.uv[1] = uv1;
-    /* half as many texels per metre, turned: a cone may be twice as wide */
+    /* The transform halves the texels per metre and turns them: a cone may be twice as wide. */
     map->uv_set = 0;
     map->has_transform = true;
     memcpy(map->transform, (float[]){0, 0.5f, 0, -0.5f, 0, 1}, sizeof map->transform);

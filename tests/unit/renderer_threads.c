@@ -1,6 +1,5 @@
-/* Threads: the film is the same bit for bit with any number of them, and may be read while they work. One
- * scene for all, since Embree takes up a second device in ways that the thread sanitizer cannot follow.
- */
+/* Threads: the film is the same, bit for bit, with any number of them, and may be read while they work. All
+ * tests share one scene, because Embree uses a second device in ways that ThreadSanitizer cannot follow. */
 #include "renderer_room.h"
 
 #include "render.h"
@@ -27,7 +26,7 @@ struct reader {
     struct rnd_render *render;
     atomic_bool quit;
     uint64_t reads, whole, wrong, changes;
-    struct rnd_tile known[TILES]; /* by what was published */
+    struct rnd_tile known[TILES]; /* from rnd_render_published() */
 };
 
 static void *read_on(void *argument)
@@ -37,13 +36,13 @@ static void *read_on(void *argument)
     struct rnd_tile tiles[TILES];
     uint32_t changed[TILES];
     bool last;
-    do { /* and once more after the last batch */
+    do { /* one more time after the last batch */
         last = atomic_load(&reader->quit);
         rnd_render_tiles(reader->render, tiles);
         reader->changes += rnd_render_published(reader->render, reader->known, changed);
         for (int level = 0; level < 3; level++) {
             struct rnd_tile tile;
-            /* false also where a thread that writes to it was put aside */
+            /* also false while another thread adds to the tile */
             if (!rnd_render_read(reader->render, level, 0, 0, tile_rgb, &tile)) continue;
             reader->wrong += tile.samples == 0;
             reader->whole++;
@@ -54,7 +53,7 @@ static void *read_on(void *argument)
     return NULL;
 }
 
-/* The published states of tiles are the current ones. */
+/* Check that the published states of tiles are the current ones. */
 static void assert_known(struct rnd_render *render, const struct rnd_tile *known)
 {
     struct rnd_tile tiles[TILES];
@@ -68,7 +67,7 @@ static void assert_known(struct rnd_render *render, const struct rnd_tile *known
     }
 }
 
-/* A film may be read while a batch runs. ThreadSanitizer checks the reads; the film is the same in the end.
+/* A film may be read while a batch runs: ThreadSanitizer checks the reads, and the film comes out the same.
  */
 static void readers(void **state)
 {
@@ -94,7 +93,7 @@ static void readers(void **state)
     assert_memory_equal(&alone, &watched, sizeof alone);
 }
 
-/* Only tiles that changed are reported, with their new state. */
+/* Only tiles that have changed are reported, with their new state. */
 static void published(void **state)
 {
     (void)state;
@@ -128,7 +127,7 @@ static void published(void **state)
     rnd_render_destroy(render);
 }
 
-/* No thread waits for one that the system has suspended while it adds to a tile. */
+/* When the system suspends a thread that is adding to a tile, threads that read do not wait for it. */
 static void writer_put_aside(void **state)
 {
     (void)state;
@@ -165,7 +164,8 @@ static void take_turns(void *context, int worker)
     for (int i; (i = atomic_fetch_add(&turns->next, 1)) < TURNS;) atomic_fetch_add(&turns->done[i], 1);
 }
 
-/* Every item is taken once, by any thread; no thread calls twice; and where all must call, each does. */
+/* Every item is taken once, by any thread. No thread is called twice, and rnd_pool_run_all() calls every
+ * thread. */
 static void pool_turns(void **state)
 {
     (void)state;
@@ -182,7 +182,7 @@ static void pool_turns(void **state)
     rnd_pool_destroy(pool);
 }
 
-/* Memory of this process that is there, bytes. */
+/* Resident memory of this process, bytes. */
 static double resident(void)
 {
     long pages = 0;
@@ -193,7 +193,7 @@ static double resident(void)
     return (double)pages * (double)sysconf(_SC_PAGESIZE);
 }
 
-/* The first coarse picture, and a restart after it, leave most of the film's memory untouched. */
+/* The first coarse picture and a restart after it touch only a small part of the film's memory. */
 static void outline_memory(void **state)
 {
     (void)state;
@@ -207,7 +207,7 @@ static void outline_memory(void **state)
         rnd_render_restart(render, room, rnd_scene_info(room)->camera);
     }
     print_message("%.1f MB of a film of %.1f MB\n", 1e-6 * (resident() - before), 1e-6 * film);
-    assert_true(resident() - before < 0.25 * film); /* with what sanitizers keep of it */
+    assert_true(resident() - before < 0.25 * film); /* includes what sanitizers add */
     rnd_render_destroy(render);
 }
 

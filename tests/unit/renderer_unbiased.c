@@ -1,5 +1,5 @@
-/* The gaze decides how soon a pixel converges, never to what: a room that is rendered around a wandering gaze
- * has the same mean in every tile as one that is rendered evenly. */
+/* The gaze decides how soon a pixel converges, but not what it converges to: a room that is rendered around a
+ * wandering gaze has the same mean in every tile as one that is rendered evenly. */
 #include "renderer_files.h"
 
 enum {
@@ -8,13 +8,13 @@ enum {
     PIXELS = WIDTH * HEIGHT,
     ACROSS = WIDTH / RND_TILE,
     TILES = ACROSS * (HEIGHT / RND_TILE),
-    RENDERS = 5, /* of each kind, by which the standard error is known */
+    RENDERS = 5, /* of each kind; their spread gives the standard error */
     BATCHES = 60,
     PATHS = SANITIZED ? 3000 : 6000,
 };
 
-/* Renders once; value is a pixel's mean over its channels, and pixels without a path leave the mask: which
- * these are is a matter of the gaze alone, so that leaving them out biases nothing. */
+/* Render once. value is the mean of a pixel's channels. A pixel without a path is removed from the mask: only
+ * the gaze decides which pixels these are, so leaving them out causes no bias. */
 static void render_once(const struct rnd_scene *scene, const char *distribution, uint64_t seed,
                         float value[PIXELS], bool mask[PIXELS])
 {
@@ -41,7 +41,8 @@ static void render_once(const struct rnd_scene *scene, const char *distribution,
     }
 }
 
-/* Mean of a tile's pixels within the mask over all renders, and the variance of that mean by their spread. */
+/* The mean of a tile's pixels within the mask over all renders, and the variance of that mean from the spread
+ * of the renders. */
 static void moments(float (*value)[PIXELS], const bool *mask, int tile, double *out_mean,
                     double *out_variance)
 {
@@ -92,18 +93,19 @@ static void gaze_is_no_bias(void **state)
         print_message(
             "tile %2d, %2.0f %% of it: OD %.4f, FV %.4f: %+.2f %%, %+.2f standard errors of %.2f %%\n", t,
             100.0 * share_seen(mask, t), a, b, 100.0 * (b / a - 1.0), deviation, 100.0 * sqrt(va + vb) / a);
-        /* Student's t of some eight degrees of freedom: a chance of 2e-4 for each tile */
+        /* Student's t with about eight degrees of freedom exceeds this with a probability of 2e-4 per tile.
+         */
         assert_true(fabs(deviation) < 6.5);
-        assert_true(sqrt(va + vb) / a < (SANITIZED ? 0.08 : 0.05)); /* else it would prove nothing */
+        assert_true(sqrt(va + vb) / a < (SANITIZED ? 0.08 : 0.05)); /* otherwise it would prove nothing */
         squares += deviation * deviation;
         compared++;
     }
     print_message("%d tiles, mean square %.2f\n", compared, squares / compared);
     assert_true(compared >= ACROSS);
-    assert_true(squares / compared < 4.0); /* 1.3 is expected of t with eight degrees */
+    assert_true(squares / compared < 4.0); /* 1.3 is expected for t with eight degrees of freedom */
 }
 
-/* Sum of the room's radiance with light clamped, after so many bounces (0: all). */
+/* Sum of the room's radiance with indirect light clamped, after this many bounces (0: no limit). */
 static double render_clamped(const struct rnd_scene *scene, float clamp, int bounces)
 {
     static float rgb[3 * PIXELS];
@@ -126,10 +128,10 @@ static double render_clamped(const struct rnd_scene *scene, float clamp, int bou
     return sum;
 }
 
-/* Where samples fall does not depend on what earlier ones found: films of a room, of an even world that is
- * converged after a moment, and of one that stays black but for light that hardly any path finds, have the
- * same number of paths in every pixel. If they had not, a place that has not yet found its rare light would
- * be looked at less, and would be too dark. */
+/* Where samples fall does not depend on what earlier samples found. Films of three worlds have the same
+ * number of paths in every pixel: a room, an even world that converges at once, and a world that stays black
+ * except for light that hardly any path finds. Otherwise a place whose rare light has not been found yet
+ * would get fewer samples and become too dark. */
 static void light_moves_no_sample(void **state)
 {
     (void)state;
@@ -170,9 +172,9 @@ static void light_moves_no_sample(void **state)
     for (int k = 0; k < 3; k++) rnd_scene_destroy(scene[k]);
 }
 
-/* The clamp is off unless asked for, and what it costs is told: the room's mean radiance with indirect light
- * clamped, of that without. Only what came by way of a second surface is less, however it was found: direct
- * light is not, neither when it was chosen nor when a direction of the surface met it. */
+/* The clamp is off unless an option asks for it, and the test prints what it costs: the room's mean radiance
+ * with clamped indirect light as a share of that without. Only light that came by way of a second surface is
+ * reduced. Direct light is not, whether it was drawn as a light or hit by a direction of the surface. */
 static void clamp_darkens(void **state)
 {
     (void)state;
@@ -186,12 +188,13 @@ static void clamp_darkens(void **state)
                       100 * all[k] / all[0], 100 * direct[k] / direct[0]);
     }
     rnd_scene_destroy(scene);
-    assert_true(all[1] == all[0]); /* no path of this room is that bright */
+    assert_true(all[1] == all[0]); /* no path in this room is that bright */
     assert_true(all[2] < all[1] && all[3] < 0.98 * all[0]);
     for (int k = 1; k < 4; k++) assert_true(direct[k] == direct[0]);
 }
 
-/* The pixels of a small plate under the camera, on the floor of a room that is lit by way of its ceiling. */
+/* Render a small plate below the camera, on the floor of a room that is lit indirectly by its ceiling.
+ * Returns the number of its pixels. */
 static int render_plate(const char *name, float albedo, float *out_value)
 {
     static float rgb[3 * PIXELS];
@@ -216,13 +219,13 @@ static int render_plate(const char *name, float albedo, float *out_value)
     rnd_render_resolve(render, rgb, NULL, NULL);
     rnd_render_destroy(render);
     rnd_scene_destroy(scene);
-    /* within 24 degrees of straight down */
+    /* pixels within 24 degrees of straight down */
     for (int i = HEIGHT * 156 / 180 * WIDTH; i < PIXELS; i++) out_value[count++] = rgb[3 * i];
     return count;
 }
 
-/* A surface that is ten times darker has the same relative noise: its picture is that of the brighter one,
- * scaled, but for the little light that returns to it. */
+/* A surface that is ten times darker has the same relative noise: its picture is the brighter one's, scaled,
+ * except for the little light that returns to it. */
 static void dark_is_as_sure(void **state)
 {
     (void)state;

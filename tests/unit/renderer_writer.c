@@ -1,4 +1,4 @@
-/* Pictures written by fovead-image: the files, failures to write, and processes that end meanwhile. */
+/* fovead-image writes pictures: the files, failures to write, and processes that end meanwhile. */
 #include "renderer_files.h"
 #include "renderer_parts.h"
 
@@ -10,8 +10,8 @@
 #include <signal.h>
 #include <sys/resource.h>
 
-/* A picture of numbers that tell where they are, exact in half floats and in 8 bits. */
-static const struct rnd_layout wide = {.width = 5000, /* a row is more than a packet */
+/* A picture whose numbers identify their places, exact in half floats and in 8 bits. */
+static const struct rnd_layout wide = {.width = 5000, /* a row is larger than a packet */
                                        .height = 71,
                                        .channels = 5,
                                        .channel = {{"R", RND_HALF},
@@ -30,7 +30,7 @@ static float at(int x, int y, int c)
 struct numbers {
     struct rnd_pixels_source source; /* first */
     const struct rnd_layout *layout;
-    void (*meanwhile)(void); /* when the writer has the first row; or NULL */
+    void (*meanwhile)(void); /* called once the writer has the first row; or NULL */
     int rows;                /* asked for so far */
 };
 
@@ -79,7 +79,7 @@ static void assert_same_file(const char *a, const char *b)
     fclose(file[1]);
 }
 
-/* The file is the same as one written by this process, bit for bit, and has the right content. */
+/* The file has the right content, and is the same, bit for bit, as one written by this process. */
 static void written(void **state)
 {
     (void)state;
@@ -124,7 +124,7 @@ static void written(void **state)
     }
 }
 
-/* What cannot be written is one line that says why, and the next picture is written. */
+/* A picture that cannot be written gives one line that says why, and the next picture is written. */
 static void refused(void **state)
 {
     (void)state;
@@ -144,7 +144,7 @@ static void refused(void **state)
     if (!write_apart(files_image_program(), fd, &wide, NULL, error)) fail_msg("%s", error);
     close(fd);
 
-    /* a limit that this program has is the writer's, and no crash */
+    /* A limit on this program also applies to the writer, and does not count as a crash. */
     struct rlimit before, small;
     struct rnd_image_program *program = rnd_image_program_create();
     assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
@@ -161,7 +161,7 @@ static void refused(void **state)
 
 /* --- while a picture is written --- */
 
-/* The parent of a process, and its state as in proc(5); false if there is no such process. */
+/* The parent of a process and its state (proc(5)). Returns false if there is no such process. */
 static bool look(const char *pid, pid_t *out_parent, char *out_state)
 {
     char path[64], line[512] = "";
@@ -176,7 +176,7 @@ static bool look(const char *pid, pid_t *out_parent, char *out_state)
     return ok;
 }
 
-/* The process that pid has started; there must be just one that has not ended. */
+/* The only process started by pid that has not ended. */
 static pid_t child_of(pid_t pid)
 {
     DIR *processes = opendir("/proc");
@@ -228,14 +228,14 @@ static void ended(void **state)
     (void)state;
     static const struct {
         void (*meanwhile)(void);
-        const char *error;              /* NULL: it is written all the same */
-    } cases[] = {{stop_politely, NULL}, /* who tells a daemon to stop may tell all that it has started */
+        const char *error;              /* NULL: the picture is written nevertheless */
+    } cases[] = {{stop_politely, NULL}, /* a signal that stops a daemon must not stop its writer */
                  {kill_writer, "the writer crashed (signal 9)"},
                  {kill_one_program, NULL}, /* another one is started */
                  {kill_program, "the writer has gone"}};
     const char *path = files_path("meanwhile.exr"), *here = files_path("here.exr");
     char error[RND_ERROR_SIZE] = "";
-    rnd_image_program_destroy(files_image_program_started); /* so that there is one program at a time */
+    rnd_image_program_destroy(files_image_program_started); /* from here on there is one program at a time */
     files_image_program_started = NULL;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         struct rnd_image_program *program = rnd_image_program_create();
@@ -256,7 +256,7 @@ static void ended(void **state)
     assert_int_equal(programs_killed, 2);
 }
 
-/* A render can be saved after the scene that it began with was destroyed, whichever of them started the
+/* A render can be saved after its first scene was destroyed, whether the caller or the scene started the
  * program. */
 static void outlived(void **state)
 {

@@ -1,4 +1,4 @@
-/* Statistics for tests: uniform numbers that are not the renderer's, and the chi-square test. */
+/* Statistics for tests: uniform random numbers that are not the renderer's, and the chi-square test. */
 #ifndef FOVEAD_TESTS_STATISTICS_H
 #define FOVEAD_TESTS_STATISTICS_H
 
@@ -6,7 +6,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The i-th number in [0,1) of a stream: 24 bits, so that it is exact as float (SplitMix64, Steele 2014). */
+/* The i-th number of a stream, in [0, 1), with 24 bits so that it is exact as a float (SplitMix64, Steele
+ * 2014). */
 static inline float stat_uniform(uint32_t stream, uint32_t i)
 {
     uint64_t z = ((uint64_t)stream << 32 | i) * 0x9e3779b97f4a7c15u + 0x9e3779b97f4a7c15u;
@@ -38,14 +39,14 @@ static inline double stat_gamma_q(double a, double x)
     return scale * h;
 }
 
-/* Probability of a chi-square at least this large by chance. */
+/* The probability that chance gives a chi-square at least this large. */
 static inline double stat_chi_square_tail(double chi_square, double degrees_of_freedom)
 {
     return stat_gamma_q(0.5 * degrees_of_freedom, 0.5 * chi_square);
 }
 
-/* p of the hypothesis that counts[n] were drawn with expected[n] (same sum). Cells that expect fewer than ten
- * are put together, and if even so they expect fewer, left out. */
+/* p-value of the hypothesis that counts[n] were drawn with expected[n] (same sum). Cells that expect fewer
+ * than ten are merged; if the merged cell still expects fewer, it is left out. */
 static inline double stat_chi_square_p(const double *counts, const double *expected, size_t n)
 {
     double chi = 0.0, rest_count = 0.0, rest_expected = 0.0;

@@ -33,7 +33,7 @@ static void one_eye_is_enough(void **state)
     aims_at(10, 0.01);
 }
 
-/* A shift of less than a degree is none; a larger one moves the aim at once when it is a saccade. */
+/* The aim ignores shifts of less than a degree. A larger shift moves the aim at once if it is a saccade. */
 static void dead_zone(void **state)
 {
     (void)state;
@@ -41,7 +41,7 @@ static void dead_zone(void **state)
     look(120, 0.8);
     aims_at(0, 0.01);
     assert_false(gaze.moved);
-    look(240, 1.6); /* too small a step for an onset: the filter goes there */
+    look(240, 1.6); /* the step is too small for an onset, so the filter follows it */
     assert_true(gaze.direction[0] > sin(0.8 * M_PI / 180));
     look(1, 12);
     aims_at(12, 0.01);
@@ -55,7 +55,8 @@ static void dead_zone(void **state)
     aims_at(0.5, 0.001);
 }
 
-/* At 20 deg/s, 100 ms with 3.6 Hz of cut-off: the aim lags and follows, outside any dead zone. */
+/* Pursuit at 20 deg/s: the aim follows outside any dead zone, with the lag of a low-pass of 3.6 Hz, about 40
+ * ms. */
 static void pursuit(void **state)
 {
     (void)state;
@@ -92,7 +93,8 @@ static void freezing(void **state)
     assert_true(gaze.moved);
 }
 
-/* Eyes on a still target while the head turns at 60 deg/s: filtered in the world, the aim does not move. */
+/* The eyes hold a still target while the head turns at 60 deg/s. The filter works in the world frame, so the
+ * aim does not move. */
 static void head_turns(void **state)
 {
     (void)state;
@@ -113,8 +115,8 @@ static void head_turns(void **state)
     aims_at(50, 0.01);
 }
 
-/* Without noise prediction is never worse than to follow, and takes two fifths of what is left in mid-flight.
- */
+/* Without noise, prediction is never worse than following the gaze, and in mid-flight it removes at least two
+ * fifths of the distance that is left. */
 static void prediction(void **state)
 {
     (void)state;
@@ -139,7 +141,7 @@ static void prediction(void **state)
     }
 }
 
-/* The same calls give the same answers, to the bit. */
+/* The same calls give the same answers, bit for bit. */
 static void repeats_itself(void **state)
 {
     (void)state;
@@ -174,7 +176,7 @@ static void anything(void **state)
         for (size_t k = 0; k < sizeof bytes; k++)
             bytes[k] = (unsigned char)((seed = seed * 6364136223846793005 + 1442695040888963407) >> 56);
         memcpy(&s, bytes, sizeof s);
-        if (i % 2) s.device_ns = (uint64_t)i * 8333333; /* else time leaps */
+        if (i % 2) s.device_ns = (uint64_t)i * 8333333; /* otherwise time jumps */
         if (i % 3) at((double)(seed >> 40) / 1e5, 20, s.direction);
         if (i % 5) s.head[3] = s.head[4] = s.head[5] = 0, s.head[6] = 1;
         s.arrival_ns = arrival_ns += seed >> 38;

@@ -25,7 +25,7 @@ static inline void at(double azimuth_deg, double elevation_deg, float out[3])
 
 static struct trk_attention *attention;
 static struct trk_aim gaze;
-static uint64_t tick; /* samples of 120 Hz so far */
+static uint64_t tick; /* samples so far, at 120 Hz */
 
 static inline void begin(const struct trk_attention_options *options)
 {
@@ -69,7 +69,7 @@ static inline struct trk_sample sample_of(uint32_t valid, double azimuth_deg)
 
 static inline void turn_head(struct trk_sample *sample, double azimuth_deg)
 {
-    versor head; /* aligned, as cglm wants it */
+    versor head; /* aligned as cglm needs it */
     glm_quatv(head, (float)(-azimuth_deg * M_PI / 180), GLM_YUP);
     memcpy(&sample->head[3], head, sizeof head);
 }
@@ -79,7 +79,7 @@ static inline void take(const struct trk_sample *sample)
     trk_attend(attention, sample, sample->arrival_ns, &gaze);
 }
 
-/* n samples at this azimuth. */
+/* Take n samples at this azimuth. */
 static inline void look(int n, double azimuth_deg)
 {
     for (int i = 0; i < n; i++) {

@@ -1,5 +1,5 @@
-/* The device's clock told on ours: drift, jitter, wrap, duplicates, steps, and a counter that stands still.
- */
+/* The map from a device's clock to ours: drift, jitter, wraps, duplicates, steps, and a counter that stands
+ * still. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -11,8 +11,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* A device whose microsecond counter of so many bits runs at rate, and whose samples arrive base_ns and an
- * exponentially distributed time after they are taken. */
+/* A device whose microsecond counter has a limited number of bits and runs at `rate`. A sample arrives
+ * base_ns plus an exponentially distributed time after it is taken. */
 struct device {
     struct trk_clock clock;
     uint64_t seed, now_ns, mask;
@@ -41,7 +41,7 @@ static double uniform(struct device *d)
     return ((double)(d->seed >> 11) + 0.5) * 0x1p-53;
 }
 
-/* A sample taken step_ns after the last. Returns how late it is told: mapped time less the true one. */
+/* Take a sample step_ns after the last one. Returns its mapped time less the true one. */
 static double sample(struct device *d, uint64_t step_ns)
 {
     d->now_ns += step_ns;
@@ -61,7 +61,7 @@ static void run(struct device *d, int samples)
     while (samples-- > 0) sample(d, 2000000);
 }
 
-/* Ten minutes at 500 Hz: the map is late by the least delay, the drift is found, and so is the jitter. */
+/* Ten minutes at 500 Hz: mapped times are late by the smallest delay; drift and jitter are found. */
 static void drift_and_jitter(void **state)
 {
     (void)state;
@@ -73,7 +73,7 @@ static void drift_and_jitter(void **state)
         run(&d, 5000);
         for (int i = 0; i < 300000; i++) worst = fmax(worst, fabs(sample(&d, 2000000) - 1e6));
         trk_clock_figures(&d.clock, &figures);
-        assert_true(worst < 60e3); /* ns, of a delay that is 500 us on average */
+        assert_true(worst < 60e3); /* ns; the delay is 500 us on average */
         assert_true(fabs(figures.drift_ppm - drifts[k]) < 5);
         assert_true(fabs(figures.jitter_ns - 500e3) < 150e3);
         assert_int_equal(figures.restarts, 0);
@@ -94,7 +94,7 @@ static void wraps_are_unseen(void **state)
     static const unsigned bits[] = {16, 24, 31, 32, 64};
     for (int k = 0; k < 5; k++) {
         struct device d = make(bits[k], 0, 1e6, 100e3);
-        d.counter = d.mask - 4000000; /* wraps at once, more than once where it is short */
+        d.counter = d.mask - 4000000; /* wraps at once; a short counter wraps more than once */
         sample(&d, 2000000);
         for (int i = 1; i <= 5000; i++) {
             sample(&d, 2000000);
@@ -106,7 +106,7 @@ static void wraps_are_unseen(void **state)
     }
 }
 
-/* Silence that is longer than the counter's turn: how many turns went by is told by arrival. */
+/* After a silence longer than one turn of the counter, the arrival tells how many turns have passed. */
 static void silence_beyond_a_wrap(void **state)
 {
     (void)state;
@@ -135,7 +135,7 @@ static void duplicates_stand_still(void **state)
     assert_int_equal(figures.restarts, 0);
 }
 
-/* One stamp in a hundred is 5 ms old: it is held, and nothing is added up. */
+/* One stamp in a hundred is 5 ms too old: its time is held, and the errors do not add up. */
 static void disorder_is_held(void **state)
 {
     (void)state;
@@ -152,7 +152,8 @@ static void disorder_is_held(void **state)
     assert_int_equal(figures.restarts, 0);
 }
 
-/* The counter is set back or forth for good: a new start, from where time was, and right soon after. */
+/* The counter jumps forward or back for good: the map starts anew from the last time, and is right again
+ * soon. */
 static void steps_are_left_out(void **state)
 {
     (void)state;
@@ -173,7 +174,7 @@ static void steps_are_left_out(void **state)
     }
 }
 
-/* A backlog at the start: its samples arrive late, and are forgotten once others come in time. */
+/* At the start the samples of a backlog arrive late. They are forgotten once others arrive in time. */
 static void backlog_is_forgotten(void **state)
 {
     (void)state;
@@ -187,7 +188,8 @@ static void backlog_is_forgotten(void **state)
     for (int i = 0; i < 1000; i++) assert_true(fabs(sample(&d, 2000000) - 1e6) < 100e3);
 }
 
-/* Counters that say nothing, or lie about their unit: arrival is what is left, and is never far. */
+/* Counters that stand still or count in another unit than they claim: arrival replaces them, and the mapped
+ * time is never far from it. */
 static void useless_counters(void **state)
 {
     (void)state;

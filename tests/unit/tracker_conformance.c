@@ -1,8 +1,8 @@
-/* What every gaze source must do, run over every one that there is: order, time, waiting, interrupts, status,
- * the end, and being closed in the middle.
+/* What every gaze source must do: order, time, waiting, interrupts, status, the end, and being closed while
+ * it is read. The tests run over all sources of the table.
  *
- * Without arguments trackers are absent, and devices are tested as sources that wait. Run among fake ones,
- * with the names of those that are plugged in as arguments, they must deliver as all others do. */
+ * Without arguments no tracker is present, and devices are tested as sources that wait. Among fake trackers,
+ * the arguments name the kinds that are plugged in; these must deliver like all other sources. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,11 +20,11 @@
 struct kind {
     const struct trk_source_kind *row;
     char spec[sizeof "replay:" FIXTURES "/hall.gaze"];
-    bool waits, is_pushed; /* without a device it delivers nothing; it delivers what is pushed */
-    bool present;          /* of a device: plugged in */
+    bool waits, is_pushed; /* delivers nothing without a device; delivers what is pushed */
+    bool present;          /* of devices: it is plugged in */
 };
 
-/* Every row of the table: those that have no test here are found by it all the same. */
+/* Every row of the table, so that a new kind of source is tested without a change here. */
 static struct kind kinds[32];
 static int kinds_count;
 
@@ -60,7 +60,7 @@ static void pause_ms(int ms)
     nanosleep(&(struct timespec){.tv_nsec = ms * 1000000L}, NULL);
 }
 
-/* Does it deliver by itself? */
+/* Does it deliver samples without trk_push()? */
 static bool delivers(const struct kind *kind)
 {
     return !kind->is_pushed && (!kind->waits || kind->present);
@@ -84,7 +84,7 @@ static void refused(const char *spec, const char *expected)
     if (!strstr(error, expected)) fail_msg("%s: %s", spec, error);
 }
 
-/* What a user may write is what the rows say; and an unknown name is told all of them. */
+/* A user may write what the rows say, and the message about an unknown name lists all of them. */
 static void rows_say_how_to_write_them(void **state)
 {
     (void)state;
@@ -107,8 +107,8 @@ static void rows_say_how_to_write_them(void **state)
     assert_null(trk_source_kind_find(""));
 }
 
-/* What the rows say of devices holds for whatever is open: by it a rotation of recentring is kept and used.
- */
+/* What a row says of devices is true of the open source. Whether a rotation of recentring is kept and used
+ * depends on it. */
 static void rows_tell_devices(void **state)
 {
     (void)state;
@@ -164,7 +164,8 @@ static void samples_are_in_order(void **state)
     }
 }
 
-/* With nothing due a read returns at until_ns and not before; it also returns when until_ns is past. */
+/* When nothing is due, a read returns at until_ns and not before. It also returns when until_ns has passed.
+ */
 static void reads_end_in_time(void **state)
 {
     (void)state;
@@ -198,8 +199,8 @@ static void *read_until_stopped(void *argument)
     return NULL;
 }
 
-/* The way a program stops: tell the reader, interrupt, join, close; whenever that comes. Reads have no end of
- * their own here, so that a lost interrupt hangs. */
+/* A program stops a reader this way: set a flag, interrupt, join, close. That works at any moment. Reads have
+ * no time limit here, so a lost interrupt would hang the test. */
 static void interrupt_ends_any_wait(void **state)
 {
     (void)state;
@@ -234,8 +235,8 @@ static void interrupt_before_a_read(void **state)
     }
 }
 
-/* Status can be asked by any thread while one reads; it has one line, and that of the source to begin with.
- */
+/* Any thread may ask for the status while another one reads. The description is one line, and does not change
+ * unless the source is a device. */
 static void status_while_reading(void **state)
 {
     (void)state;
@@ -277,8 +278,8 @@ static void only_a_pointer_is_pushed(void **state)
     }
 }
 
-/* The same times asked for twice give the same samples, bit for bit; what happens outside has no virtual
- * clock. */
+/* Reads at the same times give the same samples, bit for bit. Sources whose samples come from outside refuse
+ * the virtual clock. */
 static void virtual_clock_is_repeatable(void **state)
 {
     (void)state;
@@ -304,7 +305,7 @@ static void virtual_clock_is_repeatable(void **state)
     }
 }
 
-/* What ends says so, and nothing comes after; auto then waits for a tracker. */
+/* A source that ends says so, and delivers nothing afterwards; auto then waits for a tracker. */
 static void the_end(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* The small logs of every format, for tests: read into memory, and a folder of the test's own to put them in.
- */
+/* The small logs of every format, for tests: functions that read one into memory, and a folder of the test's
+ * own to write changed ones into. */
 #ifndef FOVEAD_TESTS_TRACKER_CORPUS_H
 #define FOVEAD_TESTS_TRACKER_CORPUS_H
 
@@ -16,7 +16,7 @@
 
 #define CORPUS FIXTURES "/../tests/fuzz/corpus/log/"
 
-/* Where a log goes, and the sidecar of a BIDS one. */
+/* The test's folder, the log in it, and the sidecar of a BIDS log. */
 static char dir[64], path[96], sidecar[96];
 
 static inline int enter(void **state)
@@ -45,8 +45,9 @@ static inline void spill(const char *to, const char *bytes, size_t size)
     assert_int_equal(fclose(file), 0);
 }
 
-/* A small log of the corpus, with a NUL behind it; a BIDS one is its sidecar, which goes beside path, an
- * empty line, and the table. Returns its size, which is less than room. */
+/* Read a small log of the corpus into out_text and end it with a NUL. The file of a BIDS log holds the
+ * sidecar, an empty line and the table: the sidecar is written beside path, and only the table is returned.
+ * Returns the size, which is less than room. */
 static inline size_t corpus(const char *file, char *out_text, size_t room)
 {
     char from[512];

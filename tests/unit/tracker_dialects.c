@@ -10,12 +10,12 @@
 enum { ROOM = 65536 };
 
 enum {
-    SHORT = 1, /* rows may leave off their last fields */
-    EXACT = 2, /* a short last row is an error, not a cut */
+    SHORT = 1, /* rows may lack their last fields */
+    EXACT = 2, /* a short last row is an error, and not cut off */
     WHOLE = 4  /* numbers have no decimals */
 };
 
-/* What rows are separated by; 0: it is no table with a header. */
+/* separator: between the fields of a row; 0 if the file is not a table with a header. */
 static const struct log {
     const char *file;
     char separator;
@@ -47,7 +47,7 @@ static const struct log {
 };
 enum { LOGS = sizeof logs / sizeof *logs };
 
-/* The log's text with LF ends. */
+/* The log's text, with every line ended by LF. */
 static void take(const char *file, char out_text[ROOM])
 {
     corpus(file, out_text, ROOM / 4);
@@ -65,7 +65,7 @@ static void read_as(const char *file, const char *what, const char *text, size_t
     if (!trk_log_read(path, out_log, error)) fail_msg("%s, %s: %s", file, what, error);
 }
 
-/* The changed text holds the samples of the plain one, and a word says so. */
+/* The changed text gives the same samples as the plain one, and the log's notes contain `says`. */
 static void holds_the_same(const struct log *log, const char *what, const char *text, size_t size,
                            const char *says)
 {
@@ -81,7 +81,7 @@ static void holds_the_same(const struct log *log, const char *what, const char *
     trk_log_finish(&want);
 }
 
-/* Every `from` of the text becomes `to`. */
+/* Replace every `from` in the text by `to`. */
 static size_t replace(const char *text, char from, const char *to, char out_text[ROOM])
 {
     size_t length = 0;
@@ -136,7 +136,8 @@ static void separators_that_are_named(void **state)
         }
 }
 
-/* Rows with another separator and commas for points; the header keeps its points, which are part of names. */
+/* Rows have another separator, and commas instead of decimal points. The header keeps its points, which are
+ * part of names. */
 static void decimal_commas(void **state)
 {
     (void)state;
@@ -156,7 +157,8 @@ static void decimal_commas(void **state)
         }
 }
 
-/* The same in formats that are no tables with a header: in rows, which begin with a digit or are elements. */
+/* The same for formats that are not tables with a header. Their rows begin with a digit, or are XML elements.
+ */
 static void decimal_commas_elsewhere(void **state)
 {
     (void)state;
@@ -170,14 +172,15 @@ static void decimal_commas_elsewhere(void **state)
         for (char *c = text; *c; c++) {
             if (c == text || c[-1] == '\n') is_row = (*c >= '0' && *c <= '9') || strncmp(c, "<REC", 4) == 0;
             if (is_row && *c == ',') *c = ';';
-            /* A point alone is a lost value, five of them flags. */
+            /* Only points between digits are decimal: `.` is a lost value, and `.....` are EyeLink's flags.
+             */
             if (is_row && *c == '.' && c[-1] >= '0' && c[-1] <= '9' && c[1] >= '0' && c[1] <= '9') *c = ',';
         }
         holds_the_same(&log, "decimal commas", text, strlen(text), "commas in numbers are decimal");
     }
 }
 
-/* Every field in quotes; numbers with a comma in them, and commas between. */
+/* Every field is quoted; numbers contain a decimal comma, and the separator is a comma too. */
 static void quotes(void **state)
 {
     (void)state;
@@ -202,7 +205,7 @@ static void quotes(void **state)
     }
 }
 
-/* The last row again, of which only half is there: without a line end, and with one. */
+/* The first half of the last row is appended once more, without a line end and with one. */
 static void ends_that_are_cut_off(void **state)
 {
     (void)state;
@@ -220,7 +223,7 @@ static void ends_that_are_cut_off(void **state)
         }
 }
 
-/* As a machine that crashed leaves a file: its length is there, its last bytes are not. */
+/* The end of a file after a crash of the machine: it has its full length, but its last bytes are zeros. */
 static void zeros_at_the_end(void **state)
 {
     (void)state;

@@ -1,4 +1,5 @@
-/* The classifier, live and over logs, against movements that are known: made here, or by the observer. */
+/* The classifier, live and over logs, against known movements: some are made here, others are the observer's.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -25,13 +26,14 @@ static void at(double azimuth_deg, double elevation_deg, float out[3])
 
 static double noise(unsigned *seed, double deg)
 {
-    double sum = 0; /* Irwin and Hall: of unit variance */
+    double sum = 0; /* Irwin-Hall distribution, with variance 1 */
     for (int i = 0; i < 12; i++) sum += (double)((*seed = *seed * 1664525 + 1013904223) >> 8) * 0x1p-24;
     return deg * (sum - 6);
 }
 
-/* One second of rest, then two of this: eye in the head and head in the world turn at so many deg/s. What the
- * classifier says in the last second must be always `state`, and never a saccade in the second before. */
+/* One second of rest, then two seconds in which the eye turns in the head and the head in the world at these
+ * speeds. The classifier must never report a saccade, and in the last second it must always report `state`.
+ */
 static void turning(double eye_deg_s, double head_deg_s, double noise_deg, enum trk_state state)
 {
     struct trk_classifier c;
@@ -65,8 +67,8 @@ static void head_and_eye(void **state)
     turning(2, 0, 0.02, TRK_FIXATION); /* drift */
 }
 
-/* A saccade of the main sequence from rest to rest, with and without the head, at rates from 60 Hz to 1 kHz.
- */
+/* A saccade on the main sequence that starts and ends at rest, while the head turns, at rates from 60 Hz to 1
+ * kHz. */
 static void saccades_at_any_rate(void **state)
 {
     (void)state;
@@ -83,14 +85,15 @@ static void saccades_at_any_rate(void **state)
             double t_s = k / rate, gone = t_s < 1 ? 0 : trk_saccade_deg(amplitude, t_s - 1);
             double right = noise(&seed, 0.1), up = noise(&seed, 0.1), turned = 40 * t_s;
             float head[3], world[3];
-            at(gone - turned + right, up, head); /* the head turns at 40 deg/s all the while */
+            at(gone - turned + right, up, head); /* the head turns at 40 deg/s throughout */
             at(gone + right, up, world);
             trk_classify(&c, (uint64_t)(t_s * 1e9), head, world);
             if (c.state == TRK_SACCADE && before != TRK_SACCADE) onsets++, onset_s = t_s;
             if (c.state != TRK_SACCADE && before == TRK_SACCADE) end_s = t_s, peak = c.peak_deg_s;
             before = c.state;
         }
-        /* The closed form is slow for 25 ms, and fast from 11 ms before the middle of that on. */
+        /* The closed form is slow in its first and last 25 ms: the eye is fast from about 14 ms after its
+         * start. */
         double duration_s = trk_saccade_s(amplitude) - 0.05;
         assert_int_equal(onsets, 1);
         assert_true(onset_s > 1.010 && onset_s <= ceil(1.0136 * rate) / rate + fmax(2.01 / rate, 0.019));
@@ -101,7 +104,7 @@ static void saccades_at_any_rate(void **state)
     }
 }
 
-/* A webcam's 30 Hz is no gap: jumps between its samples are saccades. */
+/* The 33 ms between samples of a webcam at 30 Hz are no gap: jumps between them are saccades. */
 static void slow_trackers(void **state)
 {
     (void)state;
@@ -119,9 +122,9 @@ static void slow_trackers(void **state)
     assert_int_equal(onsets, 5);
 }
 
-/* Onsets within two samples at 120 Hz, in 95 % of the saccades of so many degrees and more, and hardly a
- * false alarm. The noise: rms from sample to sample, which is how precision is stated; each axis deviates by
- * half. */
+/* At 120 Hz the onset shows within two samples in 95 % of the saccades of least_deg and more, with hardly a
+ * false alarm. noise_deg is rms from sample to sample, as precision is usually stated; the standard deviation
+ * of each axis is half of it. */
 static void onsets_at(double noise_deg, double least_deg, double most_alarms)
 {
     enum { TICKS = 10 * 60 * 120 };
@@ -182,8 +185,8 @@ static void onsets_of_the_observer(void **state)
 
 static struct trk_log script;
 
-/* Append n samples that move from azimuth a to b (deg); hidden ones, with lids as given, where there is none.
- */
+/* Append n samples that move from azimuth a to b (degrees). If `hidden`, they have no gaze. A negative
+ * openness leaves the lids unknown. */
 static void play(int n, double a, double b, bool hidden, float openness)
 {
     static unsigned seed = 5;
@@ -200,7 +203,7 @@ static void play(int n, double a, double b, bool hidden, float openness)
     }
 }
 
-/* Let sample i come at another time. */
+/* Change the time of sample i. */
 static void move(size_t i, uint64_t device_ns)
 {
     struct trk_sample s = *sample_at(&script, i);
@@ -265,18 +268,18 @@ static void events_of_a_log(void **state)
     finds(expected, sizeof expected / sizeof *expected, 0.0127); /* 1.5 samples */
 }
 
-/* Lids tell a blink from a loss; a silence of the tracker is a loss without rows. */
+/* The lids tell a blink from a loss. When the tracker sends nothing, that is a loss without samples. */
 static void lids_and_silence(void **state)
 {
     (void)state;
     play(60, 0, 0, false, 1);   /* until 0.5 s */
     play(6, 0, 0, true, 0.1f);  /* 50 ms with the lids down */
     play(54, 0, 0, false, 1);   /* until 1.0 s */
-    play(24, 0, 0, true, 0.9f); /* lids up, and nothing: until 1.2 s */
+    play(24, 0, 0, true, 0.9f); /* lids up, but no gaze, until 1.2 s */
     play(60, 0, 0, false, 1);   /* until 1.7 s */
     play(60, 0, 0, false, 1);
     for (size_t i = 204; i < script.count; i++)
-        move(i, trk_log_time(&script, i) + 500000000); /* nothing comes until 2.2 s */
+        move(i, trk_log_time(&script, i) + 500000000); /* no samples until 2.2 s */
     static const struct expected expected[] = {
         {TRK_FIXATION, 0, 0.425, 0, 0}, {TRK_BLINK, 0.425, 0.7, 0, 0},  {TRK_FIXATION, 0.7, 1.0, 0, 0},
         {TRK_LOST, 1.0, 1.2, 0, 0},     {TRK_FIXATION, 1.2, 1.7, 0, 0}, {TRK_LOST, 1.7, 2.2, 0, 0},
@@ -285,19 +288,19 @@ static void lids_and_silence(void **state)
     finds(expected, sizeof expected / sizeof *expected, 0.0127);
 }
 
-/* A device that goes on reporting the eye under its lid: that is a blink all the same. */
+/* A device goes on reporting an eye that is under its lid: that is a blink all the same. */
 static void seen_under_the_lid(void **state)
 {
     (void)state;
     play(60, 0, 0, false, 1);     /* until 0.5 s */
-    play(24, 0, 15, false, 0.1f); /* rolls away, until 0.7 s */
+    play(24, 0, 15, false, 0.1f); /* gaze rolls away, until 0.7 s */
     play(60, 0, 0, false, 1);     /* until 1.2 s */
     static const struct expected expected[] = {
         {TRK_FIXATION, 0, 0.425, 0, 0}, {TRK_BLINK, 0.425, 0.85, 0, 0}, {TRK_FIXATION, 0.85, 1.2, 0, 0}};
     finds(expected, sizeof expected / sizeof *expected, 0.0127);
 }
 
-/* The mean of both eyes is that of the open one, when the other is under its lid. */
+/* When one eye is under its lid, the combined gaze is that of the open eye. */
 static void winks(void **state)
 {
     (void)state;
@@ -315,7 +318,8 @@ static void winks(void **state)
     }
 }
 
-/* An eye that is elsewhere after a short gap jumped in it, though no onset shows at that distance. */
+/* After a short gap the eye is elsewhere: that is a saccade in the gap, even though the distance is too small
+ * for an onset. */
 static void jump_in_a_gap(void **state)
 {
     (void)state;
@@ -353,7 +357,8 @@ static void nothing_and_little(void **state)
     trk_log_finish(&script);
 }
 
-/* Events of an hour of the observer, with its own noise: as many as there were, as large, as fast. */
+/* Half an hour of the observer with its usual noise: the events agree with the true ones in number, size and
+ * time. */
 static void events_of_the_observer(void **state)
 {
     (void)state;
@@ -384,7 +389,7 @@ static void events_of_the_observer(void **state)
         while (next < events.count && events.events[next].end_ns < middle_ns + 9000000) next++;
         if (next == events.count) break;
         const struct trk_event *e = &events.events[next];
-        if (e->type == TRK_BLINK || e->type == TRK_LOST) continue; /* hidden in its midst */
+        if (e->type == TRK_BLINK || e->type == TRK_LOST) continue; /* the eye was hidden meanwhile */
         true_count++;
         if (e->type != TRK_SACCADE || e->start_ns > middle_ns + 12000000) continue;
         found++;
@@ -407,8 +412,8 @@ static void events_of_the_observer(void **state)
     trk_log_finish(&log);
 }
 
-/* Saccades of a real eye tracker, beside those that its own parser wrote into the log (those of one degree
- * and more). Its screen is measured in the log, ours is the usual one, hence the room for amplitudes. */
+/* Saccades of a real eye tracker against those that its own parser wrote into the log (of one degree and
+ * more). Amplitudes may differ, because the parser knew the screen and the reader assumes a usual one. */
 static void events_of_an_eyelink(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* The one-euro filter: its closed forms, and that it is the same everywhere on the sphere. */
+/* The one-euro filter: its closed forms, and that it works the same everywhere on the sphere. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -45,7 +45,8 @@ static void arcs_there_and_back(void **state)
     assert_float_equal(arc[2], 0, 1e-3);
 }
 
-/* The first samples after a reset count alike: a plain mean, until the low-pass knows more. */
+/* The first samples after a reset count alike, as in a plain mean, until the low-pass weighs a new sample
+ * more. */
 static void begins_as_a_mean(void **state)
 {
     (void)state;
@@ -64,7 +65,7 @@ static void begins_as_a_mean(void **state)
     assert_memory_equal(filter.value, direction, sizeof direction);
 }
 
-/* At a constant speed the low-passed speed is that speed, and the lag that of a first-order low-pass. */
+/* At a constant speed, the low-passed speed equals it, and the lag is that of a first-order low-pass. */
 static void lags_as_it_must(void **state)
 {
     (void)state;
@@ -82,8 +83,8 @@ static void lags_as_it_must(void **state)
     }
 }
 
-/* White noise comes out with alpha / (2 - alpha) of its variance; the noise that the cut-off sees raises it.
- */
+/* White noise keeps alpha / (2 - alpha) of its variance, and somewhat more, because the noise also raises the
+ * cut-off. */
 static void quietens_noise(void **state)
 {
     (void)state;
@@ -96,7 +97,7 @@ static void quietens_noise(void **state)
     for (int k = 0; k < N; k++) {
         double noise[2];
         for (int i = 0; i < 2; i++) {
-            double sum = 0; /* Irwin and Hall: of unit variance */
+            double sum = 0; /* Irwin-Hall distribution, with variance 1 */
             for (int j = 0; j < 12; j++) sum += (double)((seed = seed * 1664525 + 1013904223) >> 8) * 0x1p-24;
             noise[i] = 0.3 * (sum - 6);
         }
@@ -112,7 +113,7 @@ static void quietens_noise(void **state)
     assert_true(out / in < 1.35 * alpha / (2 - alpha));
 }
 
-/* The same walk anywhere on the sphere gives the same filtered walk there: at a pole, across the seam. */
+/* The same path gives the same filtered path anywhere on the sphere, at a pole and across the seam too. */
 static void is_the_same_everywhere(void **state)
 {
     (void)state;

@@ -1,8 +1,9 @@
-/* Every log format says the same. The small logs in tests/fuzz/corpus/log were made for this project, each
- * after its format's documentation or after real rows: five samples, 10 ms apart (0.5 ms in the one at 2000
- * Hz), in which somebody looks ahead, 10 degrees to the right, 10 up, blinks, and looks 10 to the left and 5
- * down with the left eye alone; where the format has a head, it is turned 20 degrees to the right all the
- * while. Then what overrides do, how bad input is refused, and BIDS written and read. */
+/* All log formats tell the same story. The small logs in tests/fuzz/corpus/log were made for this project,
+ * each after the documentation of its format or after real rows. They hold five samples, 10 ms apart (0.5 ms
+ * in the log of 2000 Hz). A person looks ahead, 10 degrees to the right, 10 up, blinks, and then looks 10 to
+ * the left and 5 down with the left eye alone. Where the format has a head pose, the head is turned 20
+ * degrees to the right throughout. Further tests: options that override a log, how bad input is refused, and
+ * BIDS written and read. */
 #include "tracker_corpus.h"
 
 #include "tracker.h"
@@ -12,7 +13,7 @@
 #include <math.h>
 #include <zlib.h>
 
-enum { EYES = 1, HEAD = 2, BLINK = 4, PUPILS = 8, GAP = 16 }; /* what a format carries besides gaze */
+enum { EYES = 1, HEAD = 2, BLINK = 4, PUPILS = 8, GAP = 16 }; /* what a format holds besides gaze */
 
 static const struct format {
     const char *file, *id, *name;
@@ -50,7 +51,7 @@ static const struct format {
 };
 enum { LOGS = sizeof logs / sizeof *logs };
 
-/* Copy a small log to path. The caller frees its text. */
+/* Copy a small log to path, and return its text, which the caller frees. */
 static char *copy(const char *file, size_t *out_size)
 {
     char *text = calloc(1, 8192);
@@ -192,7 +193,8 @@ static void told(const char *file, struct trk_log_options options, int sample, d
 static void options_are_followed(void **state)
 {
     (void)state;
-    /* Head 20 to the right, eye 10 back to the left: turned round in the head it is 10 further right. */
+    /* The head is turned 20 to the right, and the eye 10 to the left in it. With x mirrored, the eye looks 10
+     * further to the right. */
     told("sranipal.csv", (struct trk_log_options){.frame = "RUF"}, 1, 30, 0, 40000000);
     told("glasses3.gz", (struct trk_log_options){.frame = "ruf"}, 1, -10, 0, 40000000);
     told("gazebase.csv", (struct trk_log_options){.frame = "LDF"}, 4, 10, 5, 40000000);
@@ -208,7 +210,7 @@ static void options_are_followed(void **state)
 
 /* --- bad input --- */
 
-/* The log with `from` replaced by `to`, once; it is refused on that line for that reason. */
+/* The log with the first `from` replaced by `to` is refused, with this line number and reason. */
 static void spoiled(const char *file, const char *from, const char *to, int line, const char *why)
 {
     char error[TRK_ERROR_SIZE] = "", start[128];
@@ -318,7 +320,7 @@ static void bad_sidecars_are_refused(void **state)
     assert_non_null(strstr(error, "no BIDS sidecar has Columns"));
 }
 
-/* A header that two formats know is nobody's; the name decides. */
+/* A header that fits two formats is refused, unless an option names the format. */
 static void ambiguity_is_refused(void **state)
 {
     (void)state;
@@ -360,7 +362,8 @@ static void units_of_time_are_guessed_or_refused(void **state)
 
 /* --- gzip --- */
 
-/* What is damaged is refused; a change that makes the data end too soon is like an end that was cut off. */
+/* Damaged gzip is refused. If the damage ends the data too soon, the log is read like one that was cut off.
+ */
 static void damaged_gzip_is_refused(void **state)
 {
     (void)state;
@@ -384,7 +387,7 @@ static void damaged_gzip_is_refused(void **state)
     free(bytes);
 }
 
-/* Cut anywhere, a log in gzip holds the rows that are whole; they are told to be not all. */
+/* A gzip log cut at any byte gives the rows that are whole, and a note that it was cut off. */
 static void cut_gzip_is_read(void **state)
 {
     (void)state;

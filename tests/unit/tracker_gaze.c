@@ -1,4 +1,4 @@
-/* Which samples have a gaze, and where it is: one rule for steering, counting and reporting. */
+/* Which samples have a gaze, and where it points: one rule for steering, counting and reporting. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -12,8 +12,8 @@
 enum { BOTH = TRK_DIRECTION, LEFT = TRK_LEFT_DIRECTION, RIGHT = TRK_RIGHT_DIRECTION };
 enum { LEFT_LID = TRK_LEFT_OPENNESS, RIGHT_LID = TRK_RIGHT_OPENNESS };
 
-/* The combined gaze is ahead, the left eye's 0.1 to the right, the right eye's 0.1 upwards. The head is
- * turned to the left by a quarter, which takes -Z to -X. */
+/* The combined gaze points ahead, the left eye's 0.1 to the right, and the right eye's 0.1 up. The head is
+ * turned to the left by a quarter turn, which takes -Z to -X. */
 static struct trk_sample sample_with(uint32_t valid, float left_openness, float right_openness)
 {
     const float length = sqrtf(1.01f);
@@ -35,7 +35,7 @@ static void known_cases(void **state)
         uint32_t valid;
         float left, right; /* openness */
         const char *source;
-        float head[3]; /* not yet of unit length */
+        float head[3]; /* not normalised */
     } cases[] = {
         {BOTH, 0, 0, "both eyes", {0, 0, -1}},
         {LEFT, 0, 0, "left eye", {0.1f, 0, -1}},
@@ -72,7 +72,7 @@ static void known_cases(void **state)
         }
 }
 
-/* Whatever a sample carries: it steers if and only if it has a gaze, and steers there. */
+/* Whatever a sample holds, it steers if and only if it has a gaze, and then to that gaze. */
 static void what_is_valid_steers(void **state)
 {
     (void)state;
@@ -98,7 +98,7 @@ static void what_is_valid_steers(void **state)
     assert_true(with > 50 && without > 50);
 }
 
-/* Eyes that look apart by half a turn, and numbers that are none. */
+/* Eyes that look in opposite directions, and numbers that make no direction. */
 static void what_is_no_direction(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* Captures of devices, named by vendor and product, against the samples that lie beside them. */
+/* Captures of devices, named by vendor and product, are compared with the samples in the file beside them. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -36,7 +36,7 @@ static size_t take_hex(const char *text, uint8_t *out)
     return count;
 }
 
-/* The next line that is no comment. */
+/* The next line that is not a comment. */
 static bool next_line(FILE *file, char line[LINE])
 {
     while (fgets(line, LINE, file))
@@ -44,7 +44,7 @@ static bool next_line(FILE *file, char line[LINE])
     return false;
 }
 
-/* The numbers of a sample in the order of the golden files; NAN is not valid. */
+/* The numbers of a sample in the order of the golden files. Invalid ones are NAN. */
 static void list(const struct trk_sample *sample, double out[VALUES])
 {
     int n = 0;

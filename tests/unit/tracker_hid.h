@@ -1,4 +1,4 @@
-/* What the tests of the parser of report descriptors and of the decoder of reports share. */
+/* Shared by the tests of the report descriptor parser and of the report decoder. */
 #ifndef FOVEAD_TESTS_TRACKER_HID_H
 #define FOVEAD_TESTS_TRACKER_HID_H
 

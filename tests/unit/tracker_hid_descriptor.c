@@ -1,5 +1,5 @@
-/* The parser of report descriptors and the decoder of reports: the reference, other legal layouts, hostile
- * bytes. */
+/* The parser of report descriptors and the decoder of reports: the reference descriptor, other legal layouts,
+ * and hostile bytes. */
 #include "tracker_hid.h"
 
 struct layout {
@@ -137,7 +137,8 @@ static void reference_is_understood(void **state)
     assert_int_equal(layout.bits[TRK_HID_INPUT][0x10], 64 * 8);
     assert_int_equal(layout.bits[TRK_HID_FEATURE][0x11], 21 * 8);
     assert_int_equal(layout.bits[TRK_HID_FEATURE][0x12], 18 * 8);
-    /* Its head's rotation is in centimetres: no angle can be made of that. */
+    /* The reference descriptor states the head's rotation in centimetres, which cannot be turned into an
+     * angle. */
     assert_null(trk_hid_find(&layout, TRK_HID_INPUT, TRK_HID_TURN_X));
     assert_true(layout.has_unknown_turn);
     assert_int_equal(trk_hid_clock_bits(trk_hid_find(&layout, TRK_HID_INPUT, TRK_HID_TIMESTAMP)), 64);
@@ -160,13 +161,13 @@ static void reference_report_is_decoded(void **state)
     assert_false(values.has >> TRK_HID_HEAD_X & 1); /* out of range: not available */
     assert_false(values.is_share);
 
-    /* Longer is good, shorter and of another id is not. */
+    /* A longer report is decoded; a shorter one, or one with an unknown id, is not. */
     assert_false(trk_hid_decode(&layout, TRK_HID_INPUT, report, 64, &values));
     assert_false(trk_hid_decode(&layout, TRK_HID_INPUT, report, 0, &values));
     report[0] = 0x77;
     assert_false(trk_hid_decode(&layout, TRK_HID_INPUT, report, sizeof report, &values));
 
-    /* The same id is another report as input and as feature. */
+    /* An input report and a feature report may have the same id and differ. */
     static const uint8_t status[] = {0x13, 4, 0xf4, 0x01};
     for (int type = TRK_HID_INPUT; type <= TRK_HID_FEATURE; type += 2) {
         assert_true(trk_hid_decode(&layout, type, status, sizeof status, &values));
@@ -219,7 +220,7 @@ static void other_layouts(void **state)
     }
 }
 
-/* --- what is no descriptor --- */
+/* --- bytes that are not a descriptor --- */
 
 static void refused(const char *name, const uint8_t *bytes, size_t size, const char *why)
 {
@@ -257,7 +258,7 @@ static void hostile_bytes(void **state)
     REFUSED("4096 bytes", 0x77, 0xff, 0xff, 0xff, 0xff, 0x97, 0xff, 0xff, 0xff, 0xff, INPUT);
     REFUSED("4096 bytes", SIZE(1), 0x97, 0x01, 0x80, 0, 0, INPUT);
     REFUSED("4096 bytes", SIZE(1), 0x97, 0x00, 0x80, 0, 0, INPUT, COUNT(1), INPUT);
-    /* Gaze that no number can hold, or that has no range to be a share of. */
+    /* The gaze point is wider than 64 bits, lacks a range, lacks Y, is a feature, or is only padding. */
     REFUSED("no gaze point", TRACKER, GAZE, XY, MIN_1(0), MAX_1(1), SIZE(65), COUNT(2), INPUT, CLOSE, CLOSE);
     REFUSED("no gaze point", TRACKER, GAZE, XY, SIZE(8), COUNT(2), INPUT, CLOSE, CLOSE);
     REFUSED("no gaze point", TRACKER, GAZE, XY, MIN_1(0), MAX_1(9), SIZE(8), COUNT(1), INPUT, CLOSE, CLOSE);
@@ -269,8 +270,8 @@ static void hostile_bytes(void **state)
     refused("17 pushes", many, 200, "16 pushes");
 }
 
-/* Every beginning of a good descriptor, and every change of one byte of it, is answered in one line or
- * understood. */
+/* A good descriptor that is cut at any byte, or changed in any byte, is either parsed or refused with one
+ * line. */
 static void every_beginning_and_every_byte(void **state)
 {
     (void)state;

@@ -21,7 +21,7 @@ static void near(const float *v, double x, double y, double z)
         fail_msg("%g %g %g should be %g %g %g", (double)v[0], (double)v[1], (double)v[2], x, y, z);
 }
 
-/* A screen of 0.6 x 0.4 m at 0.8 m; its top right corner is 0.3 right, 0.2 up. */
+/* A screen of 0.6 x 0.4 m at a distance of 0.8 m: its top right corner is 0.3 m to the right and 0.2 m up. */
 static const struct trk_screen screen = {0.6f, 0.4f, 0.8f};
 
 static struct trk_hid_values gaze_at(double x, double y)
@@ -62,7 +62,7 @@ static void points_become_rays(void **state)
     trk_hid_sample(&values, &screen, &sample);
     near(sample.direction, 0.3 / length, 0.2 / length, -0.8 / length);
 
-    /* Nothing to aim at. */
+    /* A gaze point needs both coordinates. */
     values.has = 1u << TRK_HID_GAZE_X;
     trk_hid_sample(&values, &screen, &sample);
     assert_int_equal(sample.valid, 0);
@@ -85,14 +85,15 @@ static void eyes_are_where_rays_begin(void **state)
     near(sample.eye[0].direction, 0.03 / length, 0, -0.4 / length); /* the left eye looks to the right */
     near(sample.eye[1].direction, -0.03 / length, 0, -0.4 / length);
 
-    /* One eye that is not known is no eye. */
+    /* An eye whose position is unknown is left out. */
     set_point(&values, TRK_HID_LEFT_X, 0, 0, 0);
     trk_hid_sample(&values, &screen, &sample);
     assert_false(sample.valid & (TRK_LEFT_ORIGIN | TRK_LEFT_DIRECTION));
     near(sample.origin, 0.03, 0, -0.4);
 }
 
-/* A head that is turned to its left by 90 degrees and looks at the screen looks to its right. */
+/* A head that is turned to its left by 90 degrees, and whose eyes look at the screen: they look to the head's
+ * right. */
 static void head_pose_takes_rays_along(void **state)
 {
     (void)state;
@@ -107,7 +108,7 @@ static void head_pose_takes_rays_along(void **state)
     near(sample.direction, 1, 0, 0);
     assert_true(trk_world_direction(&sample, world));
     near(world, 0, 0, -1);
-    /* +X of the device's frame, turned over with Y: a positive rotation about it looks down. */
+    /* Reversing Y also reverses rotations about X: a positive one looks down. */
     set_point(&values, TRK_HID_TURN_X, M_PI / 2, 0, 0);
     trk_hid_sample(&values, &screen, &sample);
     near(sample.head + 3, -M_SQRT1_2, 0, 0);
@@ -128,7 +129,7 @@ static void head_pose_in_degrees(void **state)
     struct trk_hid_values values;
     uint8_t report[17] = {1};
     parse(descriptor, sizeof descriptor, &layout);
-    report[13] = 0x28; /* 90 degrees about Y: 9000 */
+    report[13] = 0x28; /* 9000, which is 90 degrees about Y */
     report[14] = 0x23;
     assert_true(trk_hid_decode(&layout, TRK_HID_INPUT, report, sizeof report, &values));
     close_to(values.value[TRK_HID_TURN_Y], M_PI / 2);

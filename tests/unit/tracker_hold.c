@@ -1,4 +1,4 @@
-/* What to render for while no gaze is known: the aim is held, widened, given up, and taken up again. */
+/* What to render for while gaze is unknown: the aim is held, widened, given up and taken up again. */
 #include "tracker_attention.h"
 
 static void before_the_first_gaze(void **state)
@@ -22,8 +22,7 @@ static void before_the_first_gaze(void **state)
     assert_true(gaze.spread == 1 && gaze.sequence == 1 && gaze.moved);
 }
 
-/* The times: held for 500 ms, four times wider at 2 s and then at the view's centre; a known lid is a blink.
- */
+/* The aim is held for 500 ms, widens up to four times until 2 s, and is then at the view's centre. */
 static void holds_widens_gives_up(void **state)
 {
     (void)state;
@@ -46,7 +45,7 @@ static void holds_widens_gives_up(void **state)
         double spread = ms <= 500 ? 1 : ms < 2000 ? 1 + 3 * ((double)ms - 500) / 1500 : 4;
         assert_float_equal(gaze.spread, spread, 1e-5);
     }
-    look(1, 20); /* seen again, and not yet believed */
+    look(1, 20); /* the eye is seen again, but not trusted yet */
     is(TRK_BLINK, "last gaze");
     look(2, 20);
     is(TRK_FIXATION, "both eyes");
@@ -69,14 +68,14 @@ static void lids_tell(void **state)
     look(60, 20);
     for (int i = 0; i < 20; i++) {
         struct trk_sample s = sample_of(lids, 0);
-        s.eye[1].openness = 0.8f; /* one eye open, and not seen */
+        s.eye[1].openness = 0.8f; /* one lid is up, but no eye is seen */
         take(&s);
     }
     is(TRK_LOST, "last gaze");
 }
 
-/* A device that goes on reporting the eye as it rolls under its lid moves no aim. Nor does one lid that is
- * down, where the other eye is seen. */
+/* A device that goes on reporting the eye as it rolls under its lid does not move the aim. One lid that is
+ * down does not hold the aim: the other eye steers. */
 static void lids_hold(void **state)
 {
     (void)state;
@@ -110,14 +109,14 @@ static void lids_hold(void **state)
     }
     begin(&(struct trk_attention_options){0});
     look(60, 20);
-    for (int i = 0; i < 30; i++) { /* of the eye that is seen, the lid is not told */
+    for (int i = 0; i < 30; i++) { /* the openness of the eye that is seen is unknown */
         struct trk_sample s = sample_of(TRK_LEFT_OPENNESS | TRK_RIGHT_DIRECTION, 20);
         take(&s);
     }
     is(TRK_FIXATION, "right eye");
 }
 
-/* A sample that is taken late says where gaze is all the same; only what follows can be silence. */
+/* A sample that is read late still tells where the gaze is. Silence is judged by what follows it. */
 static void late_is_not_silent(void **state)
 {
     (void)state;
@@ -133,8 +132,8 @@ static void late_is_not_silent(void **state)
     is(TRK_LOST, "last gaze");
 }
 
-/* A recording that is replayed at a tenth of its pace is not lost between its samples, and a blink in it is
- * no longer than it was: all is judged on the recording's clock. */
+/* When a recording is replayed at a tenth of its pace, its gaze is not lost between samples, and its blinks
+ * are not longer: times are judged on the recording's clock. */
 static void slow_replay(void **state)
 {
     (void)state;
@@ -158,13 +157,13 @@ static void slow_replay(void **state)
     is(TRK_FIXATION, "both eyes");
     trk_attend(attention, NULL, arrival_ns + 750 * MS, &gaze);
     is(TRK_LOST, "last gaze");
-    trk_attention_pace(attention, 0); /* as fast as it is read: no time passes in between */
+    trk_attention_pace(attention, 0); /* no pace: no time passes between samples */
     look(3, 20);
     trk_attend(attention, NULL, UINT64_MAX, &gaze);
     is(TRK_FIXATION, "both eyes");
 }
 
-/* A tracker that says nothing at all is lost after 75 ms; a pointer that says nothing rests. */
+/* A tracker that sends nothing has lost the gaze after 75 ms. A pointer that sends nothing rests. */
 static void silence(void **state)
 {
     (void)state;
@@ -192,7 +191,7 @@ static void silence(void **state)
     aims_at(-30, 0.01);
 }
 
-/* The eye reopens on its way elsewhere: nothing is believed until it rests, or 150 ms have passed. */
+/* The eye reopens while it moves elsewhere: its gaze is not trusted until it rests, or 150 ms have passed. */
 static void reopening(void **state)
 {
     (void)state;
@@ -214,7 +213,7 @@ static void reopening(void **state)
     assert_true(gaze.state != TRK_BLINK);
 }
 
-/* A short gap is bridged, and an eye that is elsewhere after it is followed at once. */
+/* A short gap is bridged. If the eye is elsewhere after it, the aim follows at once. */
 static void short_gaps(void **state)
 {
     (void)state;
@@ -230,7 +229,7 @@ static void short_gaps(void **state)
     aims_at(12.5, 0.5);
 }
 
-/* Another device, whose clock starts again. */
+/* Another device takes over, and its clock starts at 0. */
 static void clock_goes_back(void **state)
 {
     (void)state;

@@ -56,7 +56,7 @@ static void spill(const void *bytes, size_t size)
     assert_int_equal(fclose(file), 0);
 }
 
-/* The file is refused; the one line names it and says `where` (":3:" or "") and `why`. */
+/* The file is refused with one line that names it and contains `where` (":3:" or "") and `why`. */
 static void refused(const char *where, const char *why)
 {
     char error[TRK_ERROR_SIZE] = "", start[160];
@@ -78,8 +78,8 @@ static void make(struct trk_log *out_log, size_t n)
     assert_int_equal(out_log->count, n);
 }
 
-/* Write a log of five samples with `from` of line `line` (from 1) replaced by `to`; NULL is the whole line.
- */
+/* Write a log of five samples in which `from` in this line (counted from 1) is replaced by `to`. A `from` of
+ * NULL stands for the whole line. */
 static void write_with(int line, const char *from, const char *to)
 {
     struct trk_log log;
@@ -107,7 +107,7 @@ static void reads_back_exactly(void **state)
     char error[TRK_ERROR_SIZE] = "";
     struct trk_log log, back;
     make(&log, 1200);
-    /* Values that need all nine digits, the smallest, and a sample with nothing in it. */
+    /* Values that need all nine digits, the smallest float, and a sample without any field. */
     struct trk_sample odd = *sample_at(&log, 10), last = *sample_at(&log, 1199);
     odd.head[0] = 16777217.f / 3;
     odd.head[1] = 1e-45f;
@@ -203,7 +203,7 @@ static void missing_and_odd_files(void **state)
     char error[TRK_ERROR_SIZE] = "";
     struct trk_log log;
     refused(": ", "No such file");
-    assert_int_equal(mkfifo(path, 0600), 0); /* with nobody to write it: must not wait */
+    assert_int_equal(mkfifo(path, 0600), 0); /* nobody writes to it: reading must not wait */
     refused(": ", "not a regular file");
     unlink(path);
     assert_false(trk_log_read(".", &log, error));
@@ -282,7 +282,7 @@ static void bad_rows(void **state)
     refused(":5: ", "34 columns");
 }
 
-/* The sixth line is the fourth sample; its direction is the fifth to seventh field. */
+/* Line 6 is the fourth sample. Its direction is in fields 5 to 7. */
 static void bad_gaze(void **state)
 {
     (void)state;
@@ -310,7 +310,7 @@ static void no_rows(void **state)
     refused(": ", "holds no samples");
 }
 
-/* Cut anywhere after its first row, a log is read up to the last whole row. */
+/* A log that is cut anywhere after its first row is read up to its last whole row. */
 static void cut_off(void **state)
 {
     (void)state;
@@ -341,7 +341,8 @@ static void full_disk(void **state)
     trk_log_finish(&log);
 }
 
-/* Every number is what printf() writes with the fewest digits, from six on, that read back as it. */
+/* Every number is written as printf() writes it with the fewest digits, six or more, that read back as the
+ * same float. */
 static void fewest_digits(void **state)
 {
     (void)state;
@@ -369,7 +370,7 @@ static void fewest_digits(void **state)
     }
 }
 
-/* A text is read as strtod() and strtof() read it. */
+/* Our functions read the text as strtod() and strtof() do. */
 static void reads_as_the_library(const char *text)
 {
     double value = NAN;
@@ -405,7 +406,8 @@ static void numbers_of_all_lengths(void **state)
                  point < digits ? digits - point : 0, number + point);
         reads_as_the_library(text);
     }
-    /* Next to the middle between two floats: some round to it as a double, and from there the wrong way. */
+    /* Numbers beside the middle of two floats: some of them round to the middle as a double, and would then
+     * round to the wrong float. */
     for (int i = 0; i < 20000; i++) {
         noise = noise * 6364136223846793005u + 1442695040888963407u;
         const float value = (float)(noise >> 40) * 0x1p-21f + 0.1f;

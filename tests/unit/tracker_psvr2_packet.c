@@ -1,4 +1,4 @@
-/* Gaze packets of the PlayStation VR2: every field at its offset, every flag on its own, both lengths,
+/* Gaze packets of the PlayStation VR2: each field at its offset, each flag by itself, both lengths, and
  * hostile bytes. */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Parse a copy of exactly that size, so that a sanitizer sees a step beyond. */
+/* Parse a copy of exactly this size, so that a sanitizer notices any access beyond it. */
 static bool parse(const uint8_t *bytes, size_t size, struct trk_sample *out_sample, uint32_t *out_clock)
 {
     uint8_t *exact = malloc(size ? size : 1);
@@ -99,7 +99,7 @@ static void lengths(void **state)
     assert_false(parse(packet, 328, &sample, &clock));
 }
 
-/* Flags that lie: what no eye can do is not valid. */
+/* A flag is set, but its field holds what no eye can do: the field is not valid. */
 static void impossible_values(void **state)
 {
     (void)state;
@@ -124,7 +124,7 @@ static void impossible_values(void **state)
     assert_int_equal(sample.valid, TRK_LEFT_OPENNESS | TRK_RIGHT_OPENNESS);
 }
 
-/* Its blink is a lid that is down: what it goes on reporting is no gaze. */
+/* When the device reports a blink, the lid is down, and the gaze that it goes on reporting is ignored. */
 static void blinks(void **state)
 {
     (void)state;

@@ -25,7 +25,7 @@ static void step(double ms)
     add(trk_log_time(&log_made, log_made.count - 1) + (uint64_t)(ms * 1e6));
 }
 
-/* n times these steps, in turn. */
+/* Append these steps in turn, n times. */
 static void steps(int n, const double *ms, int count)
 {
     for (int i = 0; i < n; i++)
@@ -100,7 +100,7 @@ static void whole_ms_and_skipped_stamps(void **state)
     STEPS(10, 4, 4, 4, 8);
     is(200, 200, 0, 0);
     begin();
-    STEPS(20, 16, 17, 17, 33); /* of 60 Hz, one in five is missing */
+    STEPS(20, 16, 17, 17, 33); /* 60 Hz, where one sample in five is missing */
     is(48, 48.3, 0, 0);
 }
 
@@ -127,7 +127,7 @@ static void bursts(void **state)
     is(120, 122, 0, 0);
 }
 
-/* A host that was held up stamps what has gathered at once: no sample is missing. */
+/* A host was held up and then stamps all waiting samples at once: no sample is missing. */
 static void catching_up(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* Recentring: the correction by looking at a target, and the file that keeps it. */
+/* Recentring: correcting the gaze by looking at a target, and the file that keeps the rotation. */
 #include "tracker_attention.h"
 
 #include <stdio.h>
@@ -13,13 +13,13 @@ static void recentring(void **state)
     assert_false(trk_recentre(attention, NULL, error));
     assert_non_null(strstr(error, "expected a look at the target"));
     look(60, 6);
-    assert_true(trk_recentre(attention, NULL, error)); /* looks straight on, says the user */
+    assert_true(trk_recentre(attention, NULL, error)); /* the user says that this gaze is straight ahead */
     look(60, 6);
     aims_at(0, 0.01);
     look(60, 26);
     aims_at(20, 0.01);
     at(23, 0, target);
-    assert_true(trk_recentre(attention, target, error)); /* replaces: 26 measured is 23 */
+    assert_true(trk_recentre(attention, target, error)); /* replaces the first: a measured 26 becomes 23 */
     look(60, 26);
     aims_at(23, 0.01);
     trk_recentre_get(attention, rotation);
@@ -41,7 +41,7 @@ static void recentring(void **state)
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) assert_false(trk_recentre_set(attention, bad[i]));
 }
 
-/* In the head frame: the slip of a headset turns with the head. */
+/* The rotation is in the head frame, because a headset that has slipped turns with the head. */
 static void recentring_turns_with_the_head(void **state)
 {
     (void)state;
@@ -49,7 +49,7 @@ static void recentring_turns_with_the_head(void **state)
     for (int turn = 0; turn < 2; turn++)
         for (int i = 0; i < 60; i++) {
             struct trk_sample s = sample_of(TRK_DIRECTION | TRK_HEAD, 0);
-            at(0, 5, s.direction); /* five degrees too high */
+            at(0, 5, s.direction); /* gaze is measured five degrees too high */
             turn_head(&s, turn ? 90 : 0);
             take(&s);
             if (turn == 0 && i == 59) assert_true(trk_recentre(attention, NULL, error));

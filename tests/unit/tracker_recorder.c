@@ -1,4 +1,5 @@
-/* The recorder: every sample, whatever happens to the program; refusals; a disk that is full. */
+/* The recorder: it records every sample whatever happens to the program, refuses samples that no log can
+ * hold, and copes with a full disk. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -63,7 +64,7 @@ static struct trk_recorder *open_new(void)
     return recorder;
 }
 
-/* Until the recorder, by itself, has written so many samples. */
+/* Wait until the recorder has written this many samples by itself. */
 static void await_written(struct trk_recorder *recorder, uint64_t count)
 {
     struct trk_recorder_status now;
@@ -75,7 +76,7 @@ static void await_written(struct trk_recorder *recorder, uint64_t count)
     }
 }
 
-/* The same, of a disk that has failed and has room again. */
+/* The same for a disk that has failed and has room again. */
 static void await_recovery(struct trk_recorder *recorder, uint64_t count)
 {
     struct trk_recorder_status now;
@@ -116,7 +117,7 @@ static void records_every_field(void **state)
     trk_log_finish(&log);
 }
 
-/* Rows are in the file, for anyone to read, while the recording goes on. */
+/* Anyone can read the rows in the file while the recording goes on. */
 static void is_there_soon(void **state)
 {
     (void)state;
@@ -133,7 +134,7 @@ static void is_there_soon(void **state)
     trk_log_finish(&log);
 }
 
-/* What no log can hold is counted, and the log stays readable. */
+/* Samples that no log can hold are counted, and the log stays readable. */
 static void refuses_impossible_samples(void **state)
 {
     (void)state;
@@ -163,8 +164,8 @@ static void refuses_impossible_samples(void **state)
     trk_log_finish(&log);
 }
 
-/* The child's end of survives_a_kill(): records at 500 Hz for ever, and says after each sample how many are
- * written. */
+/* The child process of survives_a_kill(): it records at 500 Hz without end, and reports after each sample how
+ * many are written. */
 static void record_for_ever(int pipe_fd)
 {
     struct trk_recorder_status now;
@@ -180,7 +181,8 @@ static void record_for_ever(int pipe_fd)
     }
 }
 
-/* Killed in mid-recording, the log holds all that was said to be written, whole and in order. */
+/* If the program is killed while it records, the log holds all samples that were reported as written, whole
+ * and in order. */
 static void survives_a_kill(void **state)
 {
     (void)state;
@@ -207,16 +209,16 @@ static void survives_a_kill(void **state)
         struct trk_log back;
         if (!trk_log_read(path, &back, error)) fail_msg("%s", error);
         const struct trk_sample *newest = sample_at(&back, back.count - 1);
-        assert_int_equal(newest->sequence, back.count); /* none is missing before */
+        assert_int_equal(newest->sequence, back.count); /* no earlier one is missing */
         print_message("%zu of %llu samples are kept, %llu were said to be\n", back.count,
                       (unsigned long long)appended, (unsigned long long)written);
-        /* The last may have been appended and not told. */
+        /* The child may have been killed after it appended the last sample and before it reported it. */
         assert_in_range(back.count, written, appended + 1);
         trk_log_finish(&back);
     }
 }
 
-/* Torn at any byte of its last line, a log loses that sample and no other. */
+/* A log whose last line is cut at any byte loses that sample and no other. */
 static void torn_anywhere(void **state)
 {
     (void)state;
@@ -243,8 +245,8 @@ static void torn_anywhere(void **state)
     trk_log_finish(&log);
 }
 
-/* A disk that takes no more: half a row is taken back, the reason told at once, what was written kept. When
- * there is room again the recording goes on with what waited. */
+/* The disk is full: the recorder removes a row that was half written, reports the reason at once, and keeps
+ * what is in the file. When there is room again, it goes on with the samples that have waited. */
 static void full_disk(void **state)
 {
     (void)state;
@@ -288,8 +290,8 @@ static void full_disk(void **state)
     trk_log_finish(&log);
 }
 
-/* What does not fit into the queue while the disk takes nothing is lost and counted, and the log goes on
- * after it. */
+/* Samples that no longer fit into the queue while the disk is full are lost and counted. The log goes on
+ * after them. */
 static void full_disk_for_long(void **state)
 {
     (void)state;
@@ -323,7 +325,7 @@ static void full_disk_for_long(void **state)
     trk_log_finish(&back);
 }
 
-/* Faster than any disk: what does not fit into the queue is counted. */
+/* Samples come faster than any disk can write: those that do not fit into the queue are counted. */
 static void counts_what_it_loses(void **state)
 {
     (void)state;
@@ -364,7 +366,7 @@ static void *append_some(void *argument)
     return NULL;
 }
 
-/* Two threads may append; each number is taken once. */
+/* Two threads may append: each sequence number is recorded once. */
 static void two_threads(void **state)
 {
     (void)state;

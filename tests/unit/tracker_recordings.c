@@ -1,5 +1,5 @@
-/* Every log in the shared data reads, with the counts, spans and rates that are known of it, and with gaze to
- * the right and up where the eye looked to the right and up. Skipped where that data is absent. */
+/* Every log in the shared data is read, with the known number of samples, span and rate, and gaze points to
+ * the right and up when the eye looked to the right and up. Skipped where that data is absent. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -49,8 +49,8 @@ static int by_size(const void *a, const void *b)
 
 /* --- figures --- */
 
-/* Rows are those of the file; lost ones its flags', dots' or empty fields'; spans its first and last times';
- * steps the middle ones. */
+/* How the figures are known: rows are counted in the file; lost samples are those with a flag, dots or empty
+ * fields; the span is from the first time to the last; step_ms is the median step. */
 static const struct figures {
     const char *path, *format;
     size_t rows, lost, left, right, heads;
@@ -149,10 +149,11 @@ static void others_are_refused_by_name(void **state)
 
 /* --- signs --- */
 
-/* What the reflex that holds the eye on its target shows over steps of 50 ms without a saccade. */
+/* What the vestibulo-ocular reflex, which holds the eye on its target, shows in steps of 50 ms without a
+ * saccade. */
 struct reflex {
-    double yaw, pitch;  /* slope of the eye's turn in the head against the head's: -1 is perfect */
-    double world[2][2]; /* middle movement of gaze in the world, with x and y as they are or turned round */
+    double yaw, pitch;  /* slope of eye against head movement: -1 is perfect */
+    double world[2][2]; /* median movement of gaze in the world, with x and y as read or mirrored */
 };
 
 static double world_step_deg(const struct trk_sample *a, const struct trk_sample *b, bool turn_x, bool turn_y)
@@ -167,7 +168,7 @@ static double world_step_deg(const struct trk_sample *a, const struct trk_sample
     return acos(fmin(1, (double)glm_vec3_dot(world[0], world[1]))) * 180 / M_PI;
 }
 
-/* The head's turn from a to b, in its own frame: to the right and up, degrees. */
+/* How far the head turns from a to b, in its own frame: degrees to the right and up. */
 static void head_step_deg(const struct trk_sample *a, const struct trk_sample *b, double *out_yaw,
                           double *out_pitch)
 {
@@ -239,7 +240,8 @@ static void eyes_hold_while_the_head_turns(void **state)
     }
 }
 
-/* In the file's own mean columns gaze would not stand still: the eyes' mean is what is read. */
+/* The file's own mean columns are not used, because they stay still while the eyes move: the combined gaze is
+ * the mean of the eyes. */
 static void static_mean_is_the_eyes(void **state)
 {
     (void)state;
@@ -252,7 +254,7 @@ static void static_mean_is_the_eyes(void **state)
     trk_log_finish(&log);
 }
 
-/* As the lid closes, eyes roll down and towards the nose. */
+/* While a lid closes, the eye rolls down and towards the nose. */
 static void blink_rolls_down_and_inwards(void **state)
 {
     (void)state;
@@ -274,7 +276,7 @@ static void blink_rolls_down_and_inwards(void **state)
     trk_log_finish(&log);
 }
 
-/* A target 0.44 m ahead: both eyes turn inwards. */
+/* The target is 0.44 m ahead, so both eyes turn inwards. */
 static void eyes_converge(void **state)
 {
     (void)state;
@@ -288,15 +290,15 @@ static void eyes_converge(void **state)
     trk_log_finish(&log);
 }
 
-/* The column of a comma-separated line, as a number; NaN if it is empty. */
+/* A column of a comma-separated line as a number; NaN if it is empty. */
 static double field(const char *line, int column)
 {
     for (; column > 0 && line; column--) line = strchr(line, ',') ? strchr(line, ',') + 1 : NULL;
     return line && *line != ',' ? strtod(line, NULL) : NAN;
 }
 
-/* The gyroscope about the axis that points down, so that it is positive when the head turns to the right: the
- * accelerometer reads -0.9 g along it where the wearer stands. Mean over 40 ms around time_ns. */
+/* The gyroscope's rate about the axis that points down, so that a turn of the head to the right is positive:
+ * where the wearer stands, the accelerometer reads -0.9 g along that axis. Mean over 40 ms around time_ns. */
 static double gyro_deg_s(FILE *file, double time_ns)
 {
     static char line[1024];
@@ -341,7 +343,7 @@ static void glasses_lag_behind_the_gyroscope(void **state)
     trk_log_finish(&log);
 }
 
-/* The picture's top left corner is where x and y are 0. */
+/* In the glasses' picture, x and y count from the top left corner. */
 static void glasses_agree_with_their_picture(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* The samples of a log in memory: they come out as they went in, and take little room. */
+/* The samples of a log in memory: they come out as they went in, and take little memory. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -24,7 +24,7 @@ static uint32_t draw(void)
     return (uint32_t)(noise >> 32);
 }
 
-/* What a field with an unset bit is read as. */
+/* The sample as it is read back: fields whose bit is unset are 0. */
 static struct trk_sample without_unset(const struct trk_sample *sample)
 {
     struct trk_sample out = {.sequence = sample->sequence,
@@ -49,7 +49,8 @@ static struct trk_sample without_unset(const struct trk_sample *sample)
 
 enum { KINDS = 8, EACH = 1100, MOST = EACH * KINDS + 300 };
 
-/* Of several kinds by turns, each for a block at least: from all the same to any bits at all. */
+/* Eight kinds of samples take turns, each for at least a block. They range from samples that are all alike to
+ * random bits. */
 static struct trk_sample make(size_t i)
 {
     static uint32_t mask, bits[31];
@@ -73,7 +74,7 @@ static struct trk_sample make(size_t i)
             memcpy(&floats[f][n], &word, sizeof word);
             if (kind == 7) floats[f][n] = (float)(int32_t)word * 0x1p-31f;
         }
-    if (kind == 7) { /* the combined gaze is that of the eyes, if it is there */
+    if (kind == 7) { /* the combined gaze, if present, is that of the eyes */
         const uint32_t both = TRK_DIRECTION | TRK_ORIGIN, lost = draw() % 4 ? 0 : draw() & both;
         sample.valid &= ~both;
         trk_combine(&sample);
@@ -95,7 +96,7 @@ static void every_bit(void **state)
         assert_int_equal(log.count, i + 1);
         expected[i] = without_unset(&sample);
         seen |= sample.valid;
-        if (i % 611 == 0) assert_true(trk_samples_pack(&log)); /* others may be added afterwards */
+        if (i % 611 == 0) assert_true(trk_samples_pack(&log)); /* more samples may be added after packing */
     }
     assert_int_equal(trk_log_seen(&log), seen);
     for (int round = 0; round < 2; round++) {
@@ -114,10 +115,10 @@ static void every_bit(void **state)
     trk_log_finish(&log);
 }
 
-/* --- little room --- */
+/* --- memory --- */
 
-/* What this program has allocated, and the most that it had: malloc() and its like of the whole program are
- * these. Sanitizers have their own. */
+/* How much memory the whole program has allocated, now and at most. The functions below replace malloc() and
+ * its like, which sanitizers replace too. */
 #if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__ || !defined __GLIBC__
 enum { COUNTS = 0 };
 static size_t allocated, most;
@@ -146,7 +147,8 @@ void *calloc(size_t count, size_t size)
     return note(__libc_calloc(count, size));
 }
 
-/* Counted as if there were no moment with both blocks: large ones are moved by their pages. */
+/* Counted as if the old and the new block never existed together, because large blocks are moved by remapping
+ * their pages. */
 void *realloc(void *old, size_t size)
 {
     const size_t before = malloc_usable_size(old);
@@ -179,7 +181,7 @@ static double noise(double size)
     return size * draw() / UINT32_MAX;
 }
 
-/* An EyeLink of one eye or two at 1000 Hz, that blinks; in trials. */
+/* A recording of an EyeLink at 1000 Hz, with one eye or two, with blinks, and divided into trials. */
 static void make_eyelink(int rows, bool is_binocular)
 {
     FILE *file = create("** CONVERTED FROM x.edf\n** VERSION: EYELINK II 1\n");
@@ -216,7 +218,7 @@ static void make_monocular(int rows)
     make_eyelink(rows, false);
 }
 
-/* Pupil Core's export, whose rows have to be sorted. */
+/* An export of Pupil Core, whose rows have to be sorted. */
 static void make_unsorted(int rows)
 {
     FILE *file =
@@ -228,7 +230,7 @@ static void make_unsorted(int rows)
     assert_int_equal(fclose(file), 0);
 }
 
-/* A headset that measures all there is: eyes, lids, pupils, head. */
+/* A headset that measures everything: eyes, lids, pupils and head. */
 static void make_headset(int rows)
 {
     struct trk_log log;
@@ -237,7 +239,7 @@ static void make_headset(int rows)
     trk_log_finish(&log);
 }
 
-/* Bytes that it takes at most to convert a log of so many rows, and to open it as a source. */
+/* The most memory (bytes) that it takes to convert a log with this many rows, and to open it as a source. */
 static void measure(void (*make_log)(int rows), int rows, size_t *out_convert, size_t *out_replay)
 {
     char error[TRK_ERROR_SIZE];
@@ -260,8 +262,8 @@ static void measure(void (*make_log)(int rows), int rows, size_t *out_convert, s
     unlink(converted);
 }
 
-/* A struct trk_sample for each would be 160 bytes. What a log of a few rows takes is not counted: the lines
- * and tables that all reading needs. */
+/* An array of struct trk_sample would take 160 bytes per sample. The memory for a log of a few rows is
+ * subtracted: it is for the lines and tables that all reading needs. */
 static void little_room(void **state)
 {
     (void)state;

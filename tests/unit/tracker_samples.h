@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Sample i; it stays until seven more are asked for. */
+/* Sample i. It stays valid until eight more have been asked for. */
 static inline const struct trk_sample *sample_at(const struct trk_log *log, size_t i)
 {
     static struct trk_sample samples[8];
@@ -17,7 +17,7 @@ static inline const struct trk_sample *sample_at(const struct trk_log *log, size
     return sample;
 }
 
-/* All of them, to be freed. */
+/* All samples of the log. The caller frees them. */
 static inline struct trk_sample *samples_of(const struct trk_log *log)
 {
     struct trk_sample *samples = malloc(log->count * sizeof *samples);

@@ -19,7 +19,7 @@
 
 static const char *path = "tracker_source.gaze";
 
-/* A log whose samples are at these times; its sequence starts at 11 and lacks one number. */
+/* Write a log with samples at these times. Its sequence starts at 11 and lacks one number. */
 static const uint64_t times[] = {1000, 1000, 3000, 10000, 16000};
 enum { COUNT = 5, LAP_NS = 15000 + 15000 / 4 };
 
@@ -60,7 +60,7 @@ static void refused(struct trk_source_options options, const char *why)
     if (!strstr(error, why)) fail_msg("'%s' should say '%s'", error, why);
 }
 
-/* The next sample on the virtual clock is due exactly then. */
+/* The next sample on the virtual clock is due at time_ns, not earlier. */
 static void due(struct trk_source *source, uint64_t time_ns, struct trk_sample *out_sample)
 {
     char error[TRK_ERROR_SIZE];
@@ -87,7 +87,7 @@ static void replay_keeps_the_logs_pace(void **state)
             .spec = "replay:tracker_source.gaze", .speed = speeds[k], .virtual_clock = true});
         for (size_t i = 0; i < COUNT; i++) {
             struct trk_sample sample;
-            if (i == 1) { /* at the same time as the one before */
+            if (i == 1) { /* has the same time as the first sample */
                 char error[TRK_ERROR_SIZE];
                 assert_int_equal(trk_read(source, 0, &sample, error), TRK_SAMPLE);
             } else {
@@ -135,7 +135,8 @@ static void replay_again_and_again(void **state)
     trk_close(source);
 }
 
-/* On the real clock samples come no sooner than they are due; how much later is the machine's affair. */
+/* On the real clock, samples do not arrive before they are due. How much later they arrive depends on the
+ * machine. */
 static void replay_on_the_real_clock(void **state)
 {
     (void)state;
@@ -179,7 +180,7 @@ static void *read_for_ever(void *argument)
     return argument;
 }
 
-/* Without the interrupt these reads go on for ever; the replay's wait nearly a second for each sample. */
+/* Without an interrupt these reads never end. The replay waits nearly a second for each sample. */
 static void interrupt_wakes(void **state)
 {
     (void)state;
@@ -189,7 +190,7 @@ static void interrupt_wakes(void **state)
             open_source((struct trk_source_options){.spec = specs[k], .speed = 0.01, .loop = true});
         for (int before = 0; before < 2; before++) {
             pthread_t thread;
-            if (before) trk_interrupt(source); /* nobody waits yet: the next wait ends at once */
+            if (before) trk_interrupt(source); /* nobody waits yet, so the next wait ends at once */
             assert_int_equal(pthread_create(&thread, NULL, read_for_ever, source), 0);
             if (!before) {
                 nanosleep(&(struct timespec){.tv_nsec = 5000000}, NULL);
@@ -213,7 +214,7 @@ static void pointer_delivers_in_order(void **state)
     assert_int_equal(trk_read(source, 0, &sample, error), TRK_TIMEOUT);
     assert_true(trk_push(source, (float[3]){0, 0, -2}, 100));
     assert_true(trk_push(source, (float[3]){1e-30f, 0, 0}, 200));
-    assert_true(trk_push(source, (float[3]){0, 3e38f, 0}, 150)); /* a clock that goes back stands still */
+    assert_true(trk_push(source, (float[3]){0, 3e38f, 0}, 150)); /* a time that goes back is held */
     assert_int_equal(trk_read(source, 0, &sample, error), TRK_SAMPLE);
     assert_int_equal(sample.arrival_ns, 100);
     assert_int_equal(sample.device_ns, 0);
@@ -247,7 +248,7 @@ static void pointer_refuses_what_is_no_direction(void **state)
     trk_close(source);
 }
 
-/* More than it holds: the oldest are gone, and the gap in the sequence says how many. */
+/* More samples than the queue holds: the oldest are dropped, and the gap in the sequence tells how many. */
 static void pointer_drops_the_oldest(void **state)
 {
     (void)state;
@@ -310,7 +311,7 @@ static void auto_replays_without_a_device(void **state)
             "absent.gaze: No such file");
 }
 
-/* How fast a source's clock goes: a replay's pace, also where it stands in for a device. */
+/* How fast a source's clock runs: a replay runs at its pace, also when it stands in for a device. */
 static void status_tells_the_pace(void **state)
 {
     (void)state;
@@ -372,7 +373,7 @@ static void bad_specs(void **state)
     trk_close(NULL);
 }
 
-/* Pauses are no part of the rate. */
+/* Pauses do not count in the rate. */
 static void says_the_rate_apart_from_pauses(void **state)
 {
     (void)state;

@@ -1,4 +1,5 @@
-/* HTC headset logs: real recordings where they are present, and small ones made here for what those lack. */
+/* Logs of HTC headsets: real recordings where they are present, and small logs made here for cases that no
+ * recording has. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -30,9 +31,9 @@ static double yaw_deg(const float v[3])
     return atan2(v[0], -v[2]) * 180 / M_PI;
 }
 
-/* Over steps of 50 ms without a saccade: the slope of eye-in-head yaw against head yaw, and the median angle
- * that gaze moves in the world. When the eye holds a target while the head turns the slope is -1 and the
- * angle small. */
+/* Over steps of 50 ms without a saccade: the slope of the eye's yaw in the head against the head's yaw, and
+ * the median angle that gaze moves in the world. If the eye holds a target while the head turns, the slope is
+ * -1 and the angle is small. */
 static void measure_reflex(const struct trk_log *log, double *out_slope, double *out_world_deg)
 {
     enum { STEP = 6, BINS = 1000 };
@@ -98,7 +99,7 @@ static void first_recording(void **state)
     real_recording(RECORDINGS "TESTNA01_360VR_Fist3.csv", 1665, 1633, 13.864);
 }
 
-/* In this one a frame was fetched twice and another one lost. */
+/* In this recording one frame was fetched twice and another one lost. */
 static void second_recording(void **state)
 {
     (void)state;
@@ -167,7 +168,7 @@ static void assert_vector(const float *v, double x, double y, double z)
     assert_float_equal(v[2], z, 1e-6);
 }
 
-/* In their frame +X is left and +Z forward; ours has +X right and -Z forward. */
+/* In SRanipal's frame +X is left and +Z is forward; in ours +X is right and -Z is forward. */
 static void frames_and_units(void **state)
 {
     (void)state;
@@ -189,7 +190,7 @@ static void frames_and_units(void **state)
     assert_float_equal(sample_at(&log, 0)->eye[1].openness, 0.5, 0);
     assert_float_equal(sample_at(&log, 0)->eye[1].pupil_mm, 4, 0);
     assert_int_equal(sample_at(&log, 0)->valid, 0xff7);
-    /* Unity: a positive angle about Y turns to the right, about X looks down, about Z tilts the head to the
+    /* In Unity a positive angle about Y turns to the right, about X down, and about Z tilts the head to the
      * left. */
     assert_true(trk_world_direction(sample_at(&log, 1), world));
     assert_vector(world, 0.8, 0.6, 0);
@@ -197,7 +198,7 @@ static void frames_and_units(void **state)
     assert_vector(world, 0, -0.5, -cos(M_PI / 6));
     assert_true(trk_world_direction(sample_at(&log, 3), world));
     assert_vector(world, -0.6, 0, -0.8);
-    /* Down, then right: the roll first of all does nothing to straight ahead. */
+    /* Unity rolls first, which does not change a gaze straight ahead, then turns down, then to the right. */
     assert_true(trk_world_direction(sample_at(&log, 4), world));
     assert_vector(world, cos(M_PI / 6), -0.5, 0);
     trk_log_finish(&log);
@@ -250,7 +251,7 @@ static void clocks(void **state)
     trk_log_finish(&log);
 }
 
-/* A number that is missing is lost, whatever the mask says. */
+/* A missing number means that the field is lost, whatever the mask says. */
 static void missing_numbers(void **state)
 {
     (void)state;
@@ -266,7 +267,7 @@ static void missing_numbers(void **state)
     trk_log_finish(&log);
 }
 
-/* A clock that stands is none; the other one is taken, and said. */
+/* A clock that stands still is not used. The other clock is used instead, and the log says so. */
 static void clocks_that_stand(void **state)
 {
     (void)state;

@@ -1,4 +1,5 @@
-/* The synthetic observer: repeatable, and within the figures of the literature that it is built on. */
+/* The synthetic observer: it is repeatable, and keeps to the figures of the literature that it is built on.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -39,7 +40,7 @@ static void no_length_no_log(void **state)
     }
 }
 
-/* The source delivers what trk_synthesise() makes, when it is due, without end. */
+/* The source delivers the samples of trk_synthesise() when they are due, and does not end. */
 static void source_is_the_same_observer(void **state)
 {
     (void)state;
@@ -61,7 +62,8 @@ static void source_is_the_same_observer(void **state)
     trk_log_finish(&log);
 }
 
-/* Peak velocity 600 (1 - exp(-A / 6)) deg/s; time above 30 deg/s as computed from the same closed form. */
+/* The peak velocity is 600 (1 - exp(-A / 6)) deg/s; the time above 30 deg/s follows from the same closed
+ * form. */
 static void saccades_are_on_the_main_sequence(void **state)
 {
     (void)state;
@@ -120,7 +122,8 @@ static double angle_deg(const float a[3], const float b[3])
     return atan2(sqrt(x * x + y * y + z * z), a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) * 180 / M_PI;
 }
 
-/* While the head turns and the eye fixates, gaze moves in the head against it and stays put in the world. */
+/* While the head turns and the eye fixates, gaze turns against the head in the head frame, and stays still in
+ * the world. */
 static void gaze_is_stable_while_the_head_moves(void **state)
 {
     (void)state;
@@ -150,7 +153,7 @@ static void gaze_is_stable_while_the_head_moves(void **state)
                   head_deg / count, eye_deg / count, world_deg / count);
     assert_true(count > 1000);
     assert_true(eye_deg > 0.9 * head_deg);
-    assert_true(world_deg / count < 0.4); /* noise, drift and microsaccades are left */
+    assert_true(world_deg / count < 0.4); /* what remains is noise, drift and microsaccades */
 }
 
 static void blinks_noise_and_dropouts(void **state)
@@ -195,8 +198,8 @@ static void blinks_noise_and_dropouts(void **state)
     assert_true(low > 0.85 * seen);
 }
 
-/* The truth is what the samples are made from: without noise and bias they say the same, and a saccade sets
- * out and lands where and when the truth has it. */
+/* Samples are made from the truth: without noise and bias they agree with it, and saccades start and land
+ * where and when it says. */
 static void tells_the_truth(void **state)
 {
     (void)state;
@@ -231,7 +234,7 @@ static void tells_the_truth(void **state)
     assert_true(saccades > 100 && blinks > 5);
 }
 
-/* Over an hour gaze has been all around, near the horizon at least. */
+/* In an hour, gaze has pointed in all directions along the horizon. */
 static void goes_all_around(void **state)
 {
     (void)state;
@@ -246,7 +249,7 @@ static void goes_all_around(void **state)
         if (!trk_world_direction(&sample, world)) continue;
         assert_float_equal(sqrt(world[0] * world[0] + world[1] * world[1] + world[2] * world[2]), 1, 1e-5);
         assert_true(sample.direction[2] <
-                    -0.5f); /* 60 degrees: what an eye can do, and the tracker's errors */
+                    -0.5f); /* 60 degrees: the most an eye can turn, plus the tracker's errors */
         visits[(int)((atan2(world[0], -world[2]) / (2 * M_PI) + 0.5) * SECTORS) % SECTORS]++;
     }
     for (int i = 0; i < SECTORS; i++) assert_true(visits[i] > TICKS / SECTORS / 10);

@@ -1,5 +1,5 @@
-/* Logs with headers that leave something open, or with rows that have less than their headers promise, as
- * real exports do: what each reader makes of them, and what it says that it assumed. The rows are made up. */
+/* Logs whose header leaves something open, or whose rows hold less than the header promises, as in real
+ * exports: what each reader makes of them, and what it says that it assumed. The rows are made up. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -47,7 +47,7 @@ static void spill(const char *to, const char *text)
     assert_int_equal(fclose(file), 0);
 }
 
-/* Read it, with the frame told if there is one; the reader must say so. */
+/* Read the log, with this frame unless it is NULL. The reader's notes must contain `says`. */
 static void reads(const char *text, const char *frame, const char *says)
 {
     char error[TRK_ERROR_SIZE] = "";
@@ -67,7 +67,7 @@ static void refused(const char *text, const char *why)
     if (!strstr(error, why) || !strstr(error, "expected")) fail_msg("'%s' should say '%s'", error, why);
 }
 
-/* A sample: when, and where the gaze is in the world. */
+/* Sample i has this time, and this gaze in the world. */
 static void is(size_t i, double ms, double yaw, double pitch)
 {
     float d[3];
@@ -94,8 +94,8 @@ static void lost(size_t i, double ms)
     "Y\tPupil "                                                                                              \
     "position left Z\n"
 
-/* Names without units, times that are microseconds as their steps show, a gyroscope's rows between, no
- * validity and an empty clock of the tracker: as older exports of glasses come. */
+/* Older exports of glasses: names of columns have no units, the steps show that times are in microseconds,
+ * rows of a gyroscope lie between, there is no validity, and the tracker's clock is empty. */
 static void tobii_glasses_without_units(void **state)
 {
     (void)state;
@@ -114,8 +114,8 @@ static void tobii_glasses_without_units(void **state)
     assert_non_null(strstr(log_read.assumed, "other sensors, skipped: 3"));
 }
 
-/* A display's export may hold directions too, of the display's frame: they go before points on a screen whose
- * place would have to be assumed. Only one eye's here. */
+/* An export of a display may also hold directions, in the display's frame. They are preferred to points on a
+ * screen whose distance would have to be assumed. Here only one eye has them. */
 static void tobii_screen_without_units(void **state)
 {
     (void)state;
@@ -154,7 +154,7 @@ static void glasses3_with_a_point_alone(void **state)
     "\"CNT\",\"TIME(2026/02/20 "                                                                             \
     "00:53:57.275)\",\"TIMETICK(f=10000000)\",FPOGX,FPOGY,FPOGV,BPOGX,BPOGY,BPOGV,\"\"\n"
 
-/* TIME begins anew with each medium, and with it CNT; the ticks go on. */
+/* TIME and CNT start anew with each medium. The ticks go on. */
 static void gazepoint_joins_its_media(void **state)
 {
     (void)state;
@@ -168,11 +168,11 @@ static void gazepoint_joins_its_media(void **state)
     is(1, 500, 10, 0);
     is(2, 520, 0, 10);
     lost(3, 553.33);
-    is(4, 553.33, 0, 0); /* a little back is no beginning */
+    is(4, 553.33, 0, 0); /* a small step back is not a new start */
     assert_int_equal(sample_at(&log_read, 2)->sequence, 3);
     assert_int_equal(sample_at(&log_read, 3)->sequence, 5); /* one was lost */
     assert_true(sample_at(&log_read, 4)->arrival_ns == 573330000);
-    /* Without ticks nobody knows how long it was; nor when they go back with it. */
+    /* Without ticks, or when the ticks go back too, nobody knows how much time has passed. */
     refused("CNT,TIME,FPOGX,FPOGY,FPOGV\n0,5,0.5,0.5,1\n1,0,0.5,0.5,1\n", "time goes back by 5 s");
     refused(GAZEPOINT "0,5,50,0,0,0,0,0,0,\"\"\n1,0,40,0,0,0,0,0,0,\"\"\n", "time goes back by 5 s");
 }
@@ -202,7 +202,7 @@ static void pupil_core_mapped_in_2d(void **state)
 
 /* --- 360_em --- */
 
-/* A head that lies on its left side sees what is to the right in the world below. */
+/* When the head lies on its left side, what is to the right in the world is below in the head frame. */
 static void roll_of_360_em(void **state)
 {
     (void)state;
@@ -228,7 +228,7 @@ static void roll_of_360_em(void **state)
     "{\"TaskName\": \"x\", \"StimulusPresentation\": {\"ScreenDistance\": 0.6, \"ScreenOrigin\": " origin    \
     ", \"ScreenResolution\": [1000, 500], \"ScreenSize\": [0.4, 0.2]}}"
 
-/* The screen is described in the file of the task's events. */
+/* The screen is described in the metadata of the task's events. */
 static void bids_screens_are_in_the_events(void **state)
 {
     (void)state;
@@ -245,7 +245,7 @@ static void bids_screens_are_in_the_events(void **state)
     reads(rows, NULL, "");
     is(0, 0, -10, 0);
     is(1, 1, 0, 10);
-    reads(rows, "RDF", ""); /* what is told goes before */
+    reads(rows, "RDF", ""); /* the option takes precedence */
     is(1, 1, 0, -10);
     spill(other[1], EVENTS("[\"center\"]"));
     refused(rows, "ScreenOrigin is no corner");
@@ -255,7 +255,7 @@ static void bids_screens_are_in_the_events(void **state)
     refused(rows, "ScreenOrigin is no corner");
 }
 
-/* --- kinds of faults in other dress --- */
+/* --- further variants --- */
 
 #define DISPLAY                                                                                              \
     "Recording timestamp [ms]\tEvent\tMouse position X\tGaze direction right X [DACS norm]\tGaze direction " \
@@ -264,8 +264,8 @@ static void bids_screens_are_in_the_events(void **state)
     "[DACS "                                                                                                 \
     "mm]\tGaze point X [DACS px]\tGaze point Y [DACS px]\n"
 
-/* What the tracker says of directions goes before millimetres, these before pixels, unless the screen is
- * told. */
+/* The tracker's own directions are preferred to points in millimetres, and those to pixels, unless options
+ * tell the screen. */
 static void tobii_display(void **state)
 {
     (void)state;
@@ -287,7 +287,7 @@ static void tobii_display(void **state)
     is(0, 0, 0, 0);
 }
 
-/* Without a frame in the header, the sign of Z tells glasses, whose Z is forward. */
+/* If the header names no frame, a positive Z means glasses: their Z points forward. */
 static void tobii_directions_without_a_frame(void **state)
 {
     (void)state;
@@ -298,7 +298,8 @@ static void tobii_directions_without_a_frame(void **state)
     is(1, 10, 0, 10);
 }
 
-/* A camera with a longer lens, whose middle is not the picture's, as the rows with both show it. */
+/* Rows with both 2-D and 3-D gaze show that the camera has a longer lens, and that its axis is not in the
+ * middle of the picture. */
 static void pupil_core_2d_among_3d(void **state)
 {
     (void)state;
@@ -323,7 +324,7 @@ static void pupil_core_2d_among_3d(void **state)
     "START\t" time "0 \tLEFT\nSAMPLES\tGAZE\tLEFT\tRATE\t250\n" time "0\t960\t540\t1\t.\n" time "4\t" x      \
     "\t540\t1\t.\nEND\t" time "8 \tRES\t" res "\t" res "\n"
 
-/* Somebody comes nearer: the same coordinates, and more pixels per degree at the second time. */
+/* A person comes nearer: the pixels per degree change, and each block has its own. */
 static void eyelink_blocks_have_their_own_resolution(void **state)
 {
     (void)state;
@@ -334,7 +335,7 @@ static void eyelink_blocks_have_their_own_resolution(void **state)
     assert_int_equal(log_read.count, 4);
 }
 
-/* NaN is no JSON, and Python writes it. */
+/* JSON knows no NaN, but Python writes it. */
 static void glasses3_with_nan(void **state)
 {
     (void)state;
@@ -343,11 +344,11 @@ static void glasses3_with_nan(void **state)
           "{\"type\":\"gaze\",\"timestamp\":0.52,\"data\":{\"eyeright\":{\"gazedirection\":[NaN,NaN,NaN]}}}",
           NULL, "");
     is(0, 0, 0, 0);
-    lost(1, 20); /* without a line end, but closed: it is whole */
+    lost(1, 20); /* a last line without a line end is whole if it ends with a brace */
     refused("{\"type\":\"gaze\",\"timestamp\":0.5,\"data\":{}}\n{\"type\":\n{\"type\":\"gaze\"}\n", ":2: ");
 }
 
-/* Clocks of other formats that do not run. */
+/* Clocks that do not run, in other formats. */
 static void clocks_that_do_not_run(void **state)
 {
     (void)state;
@@ -360,7 +361,7 @@ static void clocks_that_do_not_run(void **state)
         {"time,position_x,position_y,pixel_x\n7,1,1,1\n7,1,1,1\n", "time stands still"},
         {"{\"type\":\"gaze\",\"timestamp\":7,\"data\":{}}\n{\"type\":\"gaze\",\"timestamp\":7,\"data\":{}}\n",
          "timestamp stands still"},
-        /* Whole seconds, of a tracker at 4 Hz and more. */
+        /* Times in whole seconds: several samples share one. */
         {"Timeline\tCombine Eye Gaze Vector. x\tCombine Eye Gaze Vector. y\tCombine Eye Gaze Vector. z\tHead "
          "Rotation. x\tHead Rotation. y\tHead Rotation. "
          "z\n1\t0\t0\t1\t0\t0\t0\n1\t0\t0\t1\t0\t0\t0\n1\t0\t0\t1\t0\t0\t0\n"
@@ -375,7 +376,7 @@ static void clocks_that_do_not_run(void **state)
           "a spreadsheet has rounded the times to 10 ms (1.00E+03)");
 }
 
-/* A name that two participants' recordings have needs the participant's as well. */
+/* If two participants have recordings of the same name, the participant must be named too. */
 static void recordings_of_the_same_name(void **state)
 {
     (void)state;
@@ -397,8 +398,7 @@ static void recordings_of_the_same_name(void **state)
             "fixations");
 }
 
-/* Names that look like missing numbers are names; a column that is empty says nothing; and there may be many.
- */
+/* Names that look like missing numbers are names. An empty column says nothing. There may be many names. */
 static void recordings_of_any_name(void **state)
 {
     (void)state;
@@ -423,7 +423,7 @@ static void recordings_of_any_name(void **state)
     assert_non_null(strstr(error, "has no recording 'N40'"));
 }
 
-/* BIDS may name one unit for all coordinates. */
+/* BIDS may state one unit for all coordinates. */
 static void bids_units_of_all(void **state)
 {
     (void)state;
@@ -434,8 +434,8 @@ static void bids_units_of_all(void **state)
     is(1, 4, 10, 5);
 }
 
-/* Metadata in folders above, of several sizes: the deepest, and of one folder that with most entities,
- * counts. */
+/* Metadata in several folders: the deepest file that has a key counts, and within a folder the one with the
+ * most entities. */
 static void bids_inherits(void **state)
 {
     (void)state;
