@@ -1,5 +1,5 @@
-/* Report descriptors of eye trackers: the reference one of usage page 0x12, short forms of it, and other
- * layouts that are legal. For the tests of the parser and as the fuzzers' seeds. */
+/* Report descriptors of eye trackers: the reference descriptor of usage page 0x12, short forms of it, and
+ * other legal layouts. For the tests of the parser, and as seeds of the fuzzers. */
 #ifndef FOVEAD_TEST_DESCRIPTORS_H
 #define FOVEAD_TEST_DESCRIPTORS_H
 
@@ -43,8 +43,8 @@
 
 /* --- descriptors --- */
 
-/* Tracking data, input report 0x10: a timestamp, then the gaze point, eyes, head and its rotation, 32-bit um
- * within 2 m. */
+/* Tracking data, input report 0x10: a timestamp, then the gaze point, the eyes, the head and its rotation, in
+ * 32-bit um within 2 m. */
 #define THREE(usage) USAGE(usage), OPEN(0), COUNT(3), XY, USAGE(0x23), PADDING, CLOSE
 #define TRACKING                                                                                             \
     USAGE(0x10), OPEN(2), ID(0x10), MIN_1(0), MAX_2(255), SIZE(8), USAGE(0x20), UNIT(SECOND), EXPONENT(-6),  \
@@ -64,7 +64,7 @@
         SIZE(32), MAX_4(2147483647), USAGE_2(0x202), FEATURE_CONSTANT, SIZE(16), MIN_1(0), MAX_4(65535),     \
         USAGE_2(0x203), FEATURE_CONSTANT, OPEN(0), UNIT_1(CM), EXPONENT(-4), MAX_4(2147483647), SIZE(32),    \
         USAGE_2(0x204), FEATURE_CONSTANT, USAGE_2(0x205), FEATURE_CONSTANT, CLOSE, CLOSE
-/* Report 0x13, feature and input: the device's state, then its frequency in Hz. */
+/* Report 0x13, feature and input: the state of the device, then its frequency in Hz. */
 #define STATUS(item)                                                                                         \
     USAGE(0x13), OPEN(2), ID(0x13), SIZE(8), UNIT_1(0), EXPONENT(0), MAX_1(4), USAGE_2(0x301), item,         \
         SIZE(16), MAX_4(65535), UNIT(0xf001), EXPONENT(0), USAGE_2(0x300), item, CLOSE
@@ -72,14 +72,13 @@
 #define CONTROL                                                                                              \
     USAGE(0x14), OPEN(2), ID(0x14), SIZE(8), MAX_1(7), UNIT_1(0), EXPONENT(0), USAGE_2(0x400), FEATURE, CLOSE
 
-/* As the public virtual eye tracker of the standard's authors has it, byte for byte: 366 of them. Gaze is
- * flagged constant, the timestamp is eight bytes under one usage, a limit is carried over from the item
- * before. */
+/* The 366 bytes of the public virtual eye tracker by the standard's authors. Gaze is flagged as constant, the
+ * timestamp is eight bytes under one usage, and a limit is carried over from the item before. */
 static const uint8_t reference_descriptor[] = {TRACKER,         TRACKING,      CAPABILITIES, CONFIGURATION,
                                                STATUS(FEATURE), STATUS(INPUT), CONTROL,      CLOSE};
 
-/* Report 18, a 31-bit microsecond counter in 32 bits, 16-bit signed X and Y without unit or physical range.
- */
+/* Report 18: a 31-bit microsecond counter in 32 bits, then 16-bit signed X and Y without unit or physical
+ * range. */
 static const uint8_t short_descriptor[] = {
     0x05, 0x12, 0x09, 0x01, 0xa1, 0x01, 0x85, 0x12, 0x09, 0x20, 0x15, 0x00, 0x27, 0xff, 0xff,
     0xff, 0x7f, 0x75, 0x20, 0x95, 0x01, 0x81, 0x02, 0x09, 0x24, 0xa1, 0x02, 0x09, 0x21, 0x09,

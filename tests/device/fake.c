@@ -26,8 +26,8 @@ uint64_t fake_now_ns(void)
     return (uint64_t)now.tv_sec * 1000000000 + (uint64_t)now.tv_nsec;
 }
 
-/* A kernel does not wait for programs that compute. Without the right to it, the bed is only as fast as it
- * is. */
+/* A kernel does not wait for programs that compute. Without the right to this priority, the bed is as fast as
+ * it can be. */
 void fake_be_urgent(void)
 {
     static _Thread_local bool is_urgent;
@@ -51,7 +51,7 @@ static bool is_usb(const struct fake_device *device)
 
 static void send_one(struct fake_device *device)
 {
-    /* As the kernel, keep no more than 64 that nobody reads. */
+    /* Like the kernel, keep at most 64 reports that nobody has read. */
     if (g_queue_get_length(&device->reports) == 64) return;
     struct fake_report *report = g_new0(struct fake_report, 1);
     if (is_usb(device))
@@ -77,7 +77,7 @@ static void *stream(void *argument)
                                 .tv_nsec = (long)(next_ns % 1000000000)};
         clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &next, NULL);
         pthread_mutex_lock(&device->lock);
-        /* Nothing is sent before the device is opened: a tracker rests until it is asked. */
+        /* Send nothing before the device is opened: a tracker rests until a program asks for reports. */
         if (!device->gone && device->starts > device->stops) send_one(device);
         gone = device->gone;
         pthread_mutex_unlock(&device->lock);
@@ -94,7 +94,8 @@ static char *path_in_bed(const struct fake *fake, const char *node)
     return path;
 }
 
-/* A pseudo-terminal in place of the node that umockdev would make. Returns our end of it, and theirs. */
+/* Make a pseudo-terminal in place of the node that umockdev would make. Returns our end, and the program's
+ * end in *out_theirs. */
 static int make_node(const struct fake *fake, const char *node, int *out_theirs)
 {
     int ours, theirs;
@@ -140,7 +141,7 @@ struct fake_device *fake_plug(struct fake *fake, enum fake_kind kind, double hz)
         g_signal_connect(device->handler, "handle-ioctl", G_CALLBACK(fake_hid_ioctl), device);
         g_signal_connect(device->handler, "handle-read", G_CALLBACK(fake_hid_read), device);
     }
-    /* The node first: adding to sysfs announces the device, and it may be opened at once. */
+    /* Make the node first: adding to sysfs announces the device, and a program may open it at once. */
     if (!umockdev_testbed_attach_ioctl(fake->bed, device->node, device->handler, &error))
         die("attach", error);
     if (!umockdev_testbed_add_from_string(fake->bed, text->str, &error)) die("test bed", error);
@@ -161,7 +162,7 @@ void fake_unplug(struct fake_device *device)
     pthread_join(device->thread, NULL);
     pthread_mutex_lock(&device->lock);
     if (is_usb(device)) fake_usb_pump(device);
-    close(device->pty); /* whoever waits for the node sees it hung up */
+    close(device->pty); /* a program that waits for the node sees a hang-up */
     close(device->read_end);
     pthread_mutex_unlock(&device->lock);
     char *path = path_in_bed(fake, device->node);
@@ -246,7 +247,7 @@ void fake_destroy(struct fake *fake)
     g_main_loop_quit(fake->loop);
     pthread_join(fake->thread, NULL);
     g_main_loop_unref(fake->loop);
-    g_object_unref(fake->bed); /* its thread, which calls us, ends with it */
+    g_object_unref(fake->bed); /* this ends its thread, which calls our functions */
     g_ptr_array_foreach(fake->devices, free_device, NULL);
     g_ptr_array_free(fake->devices, TRUE);
     g_free(fake);

@@ -26,7 +26,7 @@ void fake_hid_describe(struct fake_device *device, GString *out_text)
     char id[32];
     snprintf(device->node, sizeof device->node, "/dev/hidraw%u", n);
     snprintf(id, sizeof id, "0003:DEED:FEED.%04X", n + 1);
-    /* Each device in a port of its own, as several may be there at once. */
+    /* Give each device a port of its own, because several may be plugged in at once. */
     snprintf(device->system[0], sizeof device->system[0], PORT ".%u", n);
     snprintf(device->system[1], sizeof device->system[1], PORT ".%u/1-1.%u:1.0", n, n);
     snprintf(device->system[2], sizeof device->system[2], PORT ".%u/1-1.%u:1.0/%s", n, n, id);
@@ -74,7 +74,7 @@ void fake_hid_fill(struct fake_device *device, struct fake_report *out_report)
         state = state * 6364136223846793005u + 1442695040888963407u;
         out_report->bytes[i] = (uint8_t)(state >> 56);
     }
-    /* Often enough an id that exists. */
+    /* In half of the reports, use an id that exists. */
     if (device->sent % 2) out_report->bytes[0] = device->sent % 4 == 1 ? 0x10 : 0x13;
 }
 
@@ -136,7 +136,7 @@ gboolean fake_hid_ioctl(UMockdevIoctlBase *base, UMockdevIoctlClient *client, gp
     return TRUE;
 }
 
-/* One report a read, and the byte that stood for it taken out of the terminal. */
+/* Return one report per read, and take the byte that stands for it out of the terminal. */
 gboolean fake_hid_read(UMockdevIoctlBase *base, UMockdevIoctlClient *client, gpointer user)
 {
     (void)base;

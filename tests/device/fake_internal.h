@@ -1,4 +1,4 @@
-/* What fake.c, fake_hid.c and fake_usb.c share. */
+/* Shared by fake.c, fake_hid.c and fake_usb.c. */
 #ifndef FOVEAD_TEST_FAKE_INTERNAL_H
 #define FOVEAD_TEST_FAKE_INTERNAL_H
 
@@ -19,50 +19,51 @@ struct fake_device {
     enum fake_kind kind;
     unsigned number;
     double hz;
-    char node[64], system[4][256]; /* its nodes in sysfs, outermost first */
+    char node[64], system[4][256]; /* system: its nodes in sysfs, outermost first */
     int systems;
     UMockdevIoctlBase *handler;
     pthread_t thread;
 
-    pthread_mutex_t lock; /* of all that follows: umockdev calls from a thread of its own */
+    pthread_mutex_t lock; /* for all that follows: umockdev calls from a thread of its own */
     bool gone;
-    int pty, read_end; /* the terminal's, and what the program has open too */
-    GQueue reports;    /* struct fake_report, not yet read */
-    GQueue urbs, done; /* struct urb of fake_usb.c: reads that wait, and what is to be reaped */
+    int pty, read_end; /* our end of the terminal, and the end that the program has open too */
+    GQueue reports;    /* of struct fake_report: not yet read */
+    GQueue urbs, done; /* of struct urb in fake_usb.c: reads that wait, and completed ones */
     uint64_t sent, taken, sent_ns[FAKE_SENT];
     bool ready, said_ready; /* of FAKE_UNREADY */
     unsigned starts, stops;
     size_t calibration;
-    const UMockdevIoctlClient *claimed_by; /* USB: the file that has the interface */
+    const UMockdevIoctlClient *claimed_by; /* USB: the open file that has claimed the interface */
 };
 
 struct fake {
     UMockdevTestbed *bed;
-    GMainLoop *loop; /* of the default context: deferred answers */
+    GMainLoop *loop; /* of the default context, for deferred answers */
     pthread_t thread;
     unsigned number; /* of the next device */
     GPtrArray *devices;
 };
 
 uint64_t fake_now_ns(void);
-/* Run this thread before all that compute, from now on; for every thread that acts for the kernel. */
+/* From now on, schedule the calling thread before all threads that compute. For every thread that acts for
+ * the kernel. */
 void fake_be_urgent(void);
 
-/* The argument of a request to a device, all of its bytes; NULL if they cannot be had. The caller unrefs
- * it. */
+/* The argument of an ioctl, with all of its bytes; NULL if they cannot be read. The caller unrefs it. */
 UMockdevIoctlData *fake_ioctl_data(UMockdevIoctlClient *client);
 
-/* The next report. Under device->lock. */
+/* Make the next report. Call with device->lock held. */
 void fake_hid_fill(struct fake_device *device, struct fake_report *out_report);
 void fake_usb_fill(struct fake_device *device, struct fake_report *out_report);
-/* Add the sysfs description, as umockdev reads it, and set node and system. */
+/* Append the description of the device in sysfs as umockdev reads it, and set node and system. */
 void fake_hid_describe(struct fake_device *device, GString *out_text);
 void fake_usb_describe(struct fake_device *device, GString *out_text);
 gboolean fake_hid_ioctl(UMockdevIoctlBase *base, UMockdevIoctlClient *client, gpointer device);
 gboolean fake_hid_read(UMockdevIoctlBase *base, UMockdevIoctlClient *client, gpointer device);
 gboolean fake_usb_ioctl(UMockdevIoctlBase *base, UMockdevIoctlClient *client, gpointer device);
 void fake_usb_vanish(UMockdevIoctlBase *base, UMockdevIoctlClient *client, gpointer device);
-/* Give waiting reads what there is, or when the device is gone an end. Under device->lock. */
+/* Complete waiting reads with the reports that there are, or with an error if the device is gone. Call with
+ * device->lock held. */
 void fake_usb_pump(struct fake_device *device);
 void fake_usb_finish(struct fake_device *device);
 

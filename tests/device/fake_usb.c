@@ -1,4 +1,4 @@
-/* The PlayStation VR2 in the test bed: the requests of usbfs that libusb makes. */
+/* The PlayStation VR2 in the test bed: the usbfs requests that libusb makes. */
 #include "fake_internal.h"
 
 #include "psvr2.h"
@@ -10,21 +10,21 @@
 #include <string.h>
 
 struct urb {
-    UMockdevIoctlClient *client; /* whose file it was submitted to, and is reaped from */
+    UMockdevIoctlClient *client; /* the file that it was submitted to and is reaped from */
     UMockdevIoctlData *request, *buffer;
 };
 
 static const uint8_t descriptors[] = {
-    /* device: USB 2, one configuration */
+    /* device descriptor: USB 2, one configuration */
     18, 1, 0x00, 2, 0, 0, 0, 64, PSVR2_VENDOR & 255, PSVR2_VENDOR >> 8, PSVR2_PRODUCT & 255,
     PSVR2_PRODUCT >> 8, 0, 1, 0, 0, 0, 1,
-    /* configuration; interface 5 with bulk 0x85 in and 0x05 out */
+    /* configuration descriptor: interface 5 with bulk endpoints 0x85 (in) and 0x05 (out) */
     9, 2, 9 + 9 + 7 + 7, 0, 1, 1, 0, 0x80, 50, 9, 4, PSVR2_INTERFACE, 0, 2, 0xff, 0, 0, 0, 7, 5, 0x85, 2,
     0x00, 2, 0, 7, 5, 0x05, 2, 0x00, 2, 0};
 
 void fake_usb_describe(struct fake_device *device, GString *out_text)
 {
-    /* umockdev wants every node once: when a bus's addresses are used up, the next bus. */
+    /* umockdev accepts every node only once: when the addresses of a bus are used up, take the next bus. */
     unsigned n = device->number, bus = 1 + n / 120, address = 2 + n % 120,
              minor = 128 * (bus - 1) + address - 1;
     snprintf(device->node, sizeof device->node, "/dev/bus/usb/%03u/%03u", bus, address);
@@ -44,7 +44,7 @@ void fake_usb_describe(struct fake_device *device, GString *out_text)
     g_string_append(out_text, "\n");
 }
 
-/* Alternately of both lengths that firmware sends. */
+/* Make packets of the two lengths that firmware sends, in turn. */
 void fake_usb_fill(struct fake_device *device, struct fake_report *out_report)
 {
     out_report->size = device->sent % 2 ? PSVR2_PACKET : PSVR2_PACKET - 4;
@@ -64,7 +64,7 @@ static void free_urb(gpointer data)
     g_free(urb);
 }
 
-/* The read is done: with a report, or with status. */
+/* Complete a read, with a report or with an error in `status`. */
 static void complete(struct fake_device *device, struct urb *urb, const struct fake_report *report,
                      int status)
 {
@@ -101,7 +101,7 @@ static void drop_urbs(GQueue *urbs, const UMockdevIoctlClient *client)
     }
 }
 
-/* The file is closed: as the kernel, take what was submitted to it, and the claim. */
+/* The file was closed: like the kernel, drop the requests that were submitted to it, and its claim. */
 void fake_usb_vanish(UMockdevIoctlBase *base, UMockdevIoctlClient *client, gpointer user)
 {
     (void)base;
@@ -119,7 +119,7 @@ void fake_usb_finish(struct fake_device *device)
     g_queue_clear_full(&device->done, free_urb);
 }
 
-/* The vendor's request to start and stop; anything else stalls. */
+/* Take the vendor's request to start or stop. Any other request stalls. */
 static void take_control(struct fake_device *device, struct urb *urb)
 {
     const uint8_t *setup = urb->buffer->data;
@@ -129,7 +129,7 @@ static void take_control(struct fake_device *device, struct urb *urb)
     raw(urb)->status = 0;
     raw(urb)->actual_length = 8;
     if (setup[10] == 1 && device->starts == device->stops) device->starts++;
-    if (setup[10] == 2 && device->starts > device->stops) device->stops++; /* none before the first start */
+    if (setup[10] == 2 && device->starts > device->stops) device->stops++; /* not before the first start */
 }
 
 static int submit(struct fake_device *device, UMockdevIoctlClient *client, UMockdevIoctlData *data)
@@ -159,8 +159,8 @@ static int submit(struct fake_device *device, UMockdevIoctlClient *client, UMock
     return 0;
 }
 
-/* A cancelled read comes back at once; of the late kind with a report that was faster, of the stuck kind
- * never. */
+/* A cancelled read returns at once. On FAKE_LATE it returns a report that was faster; on FAKE_STUCK it never
+ * returns. */
 static int discard(struct fake_device *device, const UMockdevIoctlClient *client, unsigned long address)
 {
     for (GList *at = device->urbs.head; at; at = at->next) {
@@ -195,8 +195,8 @@ static int release(struct fake_device *device, const UMockdevIoctlClient *client
     return 0;
 }
 
-/* A pseudo-terminal is always ready for writing, which is what libusb waits for: "nothing yet" comes a
- * millisecond late, so that it does not spin. */
+/* libusb waits until the node is ready for writing, and a pseudo-terminal always is. So answer "nothing yet"
+ * after a millisecond; otherwise libusb would spin. */
 static gboolean answer_later(gpointer client)
 {
     umockdev_ioctl_client_complete(client, -1, EAGAIN);
@@ -228,7 +228,8 @@ static int answer(struct fake_device *device, UMockdevIoctlClient *client, unsig
     }
 }
 
-/* One of this file's that is done; else -ENODEV, or -EAGAIN for which the answer is to wait. */
+/* Return a completed request of this file; -ENODEV if the device is gone, or -EAGAIN if the caller has to
+ * wait. */
 static int reap(struct fake_device *device, const UMockdevIoctlClient *client, UMockdevIoctlData *data)
 {
     for (GList *at = device->done.head; at; at = at->next) {
@@ -255,7 +256,7 @@ gboolean fake_usb_ioctl(UMockdevIoctlBase *base, UMockdevIoctlClient *client, gp
     pthread_mutex_unlock(&device->lock);
     if (data) g_object_unref(data);
     if (reaps && result == -EAGAIN)
-        g_timeout_add(1, answer_later, g_object_ref(client)); /* without the reference umockdev drops it */
+        g_timeout_add(1, answer_later, g_object_ref(client)); /* umockdev drops a client without this */
     else
         umockdev_ioctl_client_complete(client, result < 0 ? -1 : result, result < 0 ? -result : 0);
     return TRUE;

@@ -1,11 +1,12 @@
-/* A page 0x12 tracker's gaze report under the reference descriptor, for the fake devices. */
+/* Gaze reports of a page 0x12 tracker under the reference descriptor, for the fake devices. */
 #ifndef FOVEAD_TEST_HID_TRACKER_H
 #define FOVEAD_TEST_HID_TRACKER_H
 
 #include <math.h>
 #include <stdint.h>
 
-/* Its screen, and the circle around the screen's middle on which gaze goes, um. */
+/* The size of its screen, and the radius of the circle around the screen's middle that its gaze follows, in
+ * um. */
 enum {
     HID_WIDTH_UM = 600000,
     HID_HEIGHT_UM = 340000,
@@ -21,7 +22,7 @@ static inline void hid_put(uint8_t *out, uint64_t value, int bytes)
     for (int i = 0; i < bytes; i++) out[i] = (uint8_t)(value >> 8 * i);
 }
 
-/* Report number n, stamped with clock_us; eyes at 65 cm; of the head nothing is known. */
+/* Make report number n, stamped with clock_us. The eyes are at 65 cm; the head is unknown. */
 static inline void hid_fill(uint8_t report[HID_REPORT], uint64_t n, uint64_t clock_us)
 {
     double angle = 2 * M_PI * (double)(n % HID_STEPS) / HID_STEPS;
@@ -41,7 +42,7 @@ static inline void hid_fill(uint8_t report[HID_REPORT], uint64_t n, uint64_t clo
     for (int i = 8; i < 14; i++) hid_put(report + 9 + 4 * i, INT32_MAX, 4);
 }
 
-/* The status report, as input or feature. Returns its length. */
+/* Make the status report, which is the same as input and as feature. Returns its length. */
 static inline int hid_status(uint8_t *out, unsigned status, unsigned hz)
 {
     out[0] = 0x13;
@@ -50,8 +51,8 @@ static inline int hid_status(uint8_t *out, unsigned status, unsigned hz)
     return 4;
 }
 
-/* The feature report whose id is in out[0]: configuration (the size of the screen) or status. Returns its
- * length, 0 for what is not answered. */
+/* Make the feature report whose id is in out[0]: configuration (the size of the screen) or status. Returns
+ * its length, or 0 if there is no such report. */
 static inline int hid_feature(uint8_t out[19], unsigned hz)
 {
     for (int i = 1; i < 19; i++) out[i] = 0;

@@ -1,12 +1,12 @@
-/* latency: from a tracker to the first batch of paths that is aimed by it, while rendering.
+/* latency: how long it takes from a tracker's report to the first batch of paths that is aimed by it, while
+ * rendering.
  *
  *   umockdev-wrapper device_latency SCENE [SAMPLES [HZ]]
  *
- * A fake HID tracker sends through umockdev's hidraw, which costs more than the kernel's; a thread reads the
- * source, as fovead's does, and another renders batches of 2.5 ms, which a new sample cuts short, as in
- * fovead a jump of the gaze does. Prints, in ms: sent to arrived, arrived to the start of the first batch
- * after it, and both together, of every sample; exit code 1 if the 99th percentile of the sum is over 5 ms.
- */
+ * A fake HID tracker sends through umockdev's hidraw, which costs more than the kernel's. One thread reads
+ * the source, as fovead's does. Another renders batches of 2.5 ms; a new sample cuts a batch short, as a jump
+ * of the gaze does in fovead. Prints for all samples, in ms: from sent to arrived, from arrived to the start
+ * of the first batch after it, and the sum. Exit code 1 if the 99th percentile of the sum is over 5 ms. */
 #include "fake.h"
 
 #include "renderer.h"
@@ -28,7 +28,7 @@ struct gaze { /* under lock */
     struct rnd_aim aim;
     uint64_t sent[MAX_SAMPLES], arrived[MAX_SAMPLES], aimed[MAX_SAMPLES];
     atomic_bool stale;
-    int samples, waiting; /* waiting: the first that no batch has begun after */
+    int samples, waiting; /* waiting: the first sample that no batch has begun after */
 };
 
 struct reader {
@@ -51,7 +51,8 @@ static void *read_gaze(void *argument)
     struct gaze *gaze = reader->gaze;
     char error[TRK_ERROR_SIZE];
     trk_be_prompt();
-    uint64_t sent = 0; /* reports: a loss has a number of its own, and was not sent */
+    /* Number of reports. A sample that says that gaze was lost has a number of its own, and was not sent. */
+    uint64_t sent = 0;
     while (!atomic_load(&reader->stop)) {
         struct trk_sample sample;
         if (trk_read(reader->source, now_ns() + 50000000, &sample, error) != TRK_SAMPLE) continue;
@@ -93,7 +94,7 @@ static int ascending(const void *a, const void *b)
     return difference < 0 ? -1 : difference > 0;
 }
 
-/* Prints a row of the table; returns the 99th percentile. */
+/* Print a row of the table. Returns the 99th percentile. */
 static double row(const char *name, const uint64_t *from, const uint64_t *to, int count)
 {
     static double ms[MAX_SAMPLES];
@@ -107,7 +108,7 @@ static double row(const char *name, const uint64_t *from, const uint64_t *to, in
 
 static int report(const struct gaze *gaze, double hz)
 {
-    /* The first half second is that of opening and of finding the batches' length. */
+    /* In the first half second the device is opened and the length of batches is found. */
     int skip = (int)(hz / 2), count = gaze->waiting - skip;
     printf("%d samples at %.0f Hz; ms  p50      p95      p99      max\n", count, hz);
     row("sent to arrived", gaze->sent + skip, gaze->arrived + skip, count);

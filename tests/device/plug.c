@@ -2,13 +2,17 @@
  *
  *   plug [ACTION...] -- COMMAND [ARGUMENT...]
  *
- * Actions are done one after another, those before "run" before the program is started. KIND[:HZ] plugs one
- * in (still, hid, unready, garbage, broken, psvr2, psvr2-late, psvr2-stuck; 500 Hz), out:KIND unplugs the
- * last of a kind, end sends SIGTERM, and repeat:N does all actions after "run" N times. taken:N waits until
- * the program has read N reports, or +N more, of the device that was plugged in last, said:TEXT until TEXT
- * was written to stderr, which must be a file, and file:PATH until there is such a file. ok makes the last
- * device ready. Then the program's end is awaited, and its exit code is ours. What the first eight devices
- * were asked for is told at the end. */
+ * The program starts at the action "run"; actions before it come earlier. Actions are done one after another:
+ *   KIND[:HZ]   plug in a tracker: still, hid, unready, garbage, broken, psvr2, psvr2-late,
+ *               psvr2-stuck; at HZ, or 500
+ *   out:KIND    unplug the last one of this kind
+ *   taken:N     wait until the program has read N reports of the last tracker, or with +N as many more
+ *   said:TEXT   wait until stderr, which must be a file, contains TEXT
+ *   file:PATH   wait until this file exists
+ *   ok          make the last tracker ready
+ * Two actions hold wherever they stand: "end" sends SIGTERM after the last action, and "repeat:N" does all
+ * actions after "run" N times. At the end plug waits for the program, prints what the first eight trackers
+ * were asked for, and exits with the program's exit code. */
 #include "fake.h"
 
 #include <fcntl.h>
@@ -48,13 +52,13 @@ static void rest(struct plug *plug)
     nanosleep(&tick, NULL);
 }
 
-/* Was text written to stderr, which is a file? */
+/* Does stderr, which is a file, contain the text? */
 static bool is_said(const char *text)
 {
     static char said[1 << 20];
     int file = open("/proc/self/fd/2", O_RDONLY | O_CLOEXEC);
     ssize_t size = file < 0 ? -1 : pread(file, said, sizeof said - 1, 0);
-    if (size < 0) usage("said: stderr is no file that can be read");
+    if (size < 0) usage("said: stderr is not a readable file");
     close(file);
     said[size] = '\0';
     return strstr(said, text);
@@ -89,13 +93,13 @@ static void take_out(struct plug *plug, enum fake_kind kind)
             fake_unplug(plug->plugged[i].device);
             return;
         }
-    usage("out: of what was never plugged in");
+    usage("out: no tracker of this kind was plugged in");
 }
 
 static void start(struct plug *plug, char **command)
 {
     plug->child = fork();
-    if (plug->child < 0) usage("no process");
+    if (plug->child < 0) usage("cannot fork");
     if (plug->child > 0) return;
     setenv("LD_PRELOAD", "libumockdev-preload.so.0", 1);
     execvp(command[0], command);
@@ -103,7 +107,7 @@ static void start(struct plug *plug, char **command)
     _exit(127);
 }
 
-/* Is it something to do in its turn? */
+/* Is it done in its turn? */
 static bool is_in_turn(const char *action)
 {
     return strcmp(action, "end") != 0 && strncmp(action, "repeat:", 7) != 0;
@@ -115,7 +119,7 @@ static struct fake_device *last(const struct plug *plug)
     return plug->plugged[plug->count - 1].device;
 }
 
-/* So many, or with a + so many more. */
+/* Wait until the program has read this many reports of the last tracker, or with a + so many more. */
 static void await_taken(struct plug *plug, const char *number)
 {
     uint64_t enough = strtoull(number, NULL, 10) + (*number == '+' ? fake_taken(last(plug)) : 0);

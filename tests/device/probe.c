@@ -1,12 +1,12 @@
-/* probe: read a gaze source as a program would, check what comes, and say what it was.
+/* probe: read a gaze source as a program would, check its samples, and print a summary.
  *
  *   probe SPEC [FALLBACK_LOG [CALIBRATION]]
  *
- * Reads until SIGTERM comes. Samples must be in order of number and of every time,
- * directions of unit length, arrivals not in the future. Prints one line "name=value ..." for scripts; what
- * the source says of itself goes to stderr whenever it changes, with the heap in use. Descriptors and threads
- * are counted when a device was opened for the second and for the last time. Exit code 1 with a line if a
- * check fails. */
+ * Reads until SIGTERM comes. Sequence numbers and all times of samples must be in order, directions of unit
+ * length, and arrivals not in the future. Prints one line "name=value ..." for scripts. Whenever the
+ * description of the source changes, it is printed to stderr with the heap in use. Descriptors and threads
+ * are counted when a device is opened for the second and for the last time. If a check fails, prints one line
+ * and exits with 1. */
 #include "tracker.h"
 
 #include <dirent.h>
@@ -83,7 +83,7 @@ static void check(struct tally *tally, const struct trk_sample *sample)
     tally->last = *sample;
 }
 
-struct seen { /* of what the source says of itself */
+struct seen { /* what the source has said of itself */
     struct trk_status status;
     unsigned changes;
     struct use first, last; /* when a device was opened for the second and for the last time */
@@ -121,7 +121,7 @@ int main(int count, char **arguments)
         return 1;
     }
     enum trk_result result = TRK_TIMEOUT;
-    /* What has come already when the end comes is read too. */
+    /* After SIGTERM, read the samples that have already arrived. */
     while (result != TRK_FAILED && !(stopped && result != TRK_SAMPLE)) {
         struct trk_sample sample;
         result = trk_read(source, stopped ? 0 : now_ns() + 50000000, &sample, error);

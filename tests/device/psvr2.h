@@ -1,5 +1,5 @@
-/* A PlayStation VR2's gaze packet, written field by field from the public description of it, with values that
- * tell the fields apart. For the tests and the fake device. */
+/* A gaze packet of the PlayStation VR2, written field by field from public descriptions, with a different
+ * value in each field. For the tests and the fake device. */
 #ifndef FOVEAD_TEST_PSVR2_H
 #define FOVEAD_TEST_PSVR2_H
 
@@ -23,7 +23,8 @@ static inline void psvr2_vector(uint8_t *packet, size_t at, float x, float y, fl
     }
 }
 
-/* In the headset's frame: +X left, +Y up, +Z forward; millimetres. The right lid is closed. */
+/* Fill a packet. It is in the headset's frame: +X left, +Y up, +Z forward; millimetres. The right lid is
+ * closed. */
 static inline void psvr2_fill(uint8_t packet[PSVR2_PACKET], uint64_t clock_us)
 {
     memset(packet, 0, PSVR2_PACKET);
@@ -50,7 +51,7 @@ static inline void psvr2_fill(uint8_t packet[PSVR2_PACKET], uint64_t clock_us)
     psvr2_u32(packet, 0x10c, 1);
     psvr2_u32(packet, 0x110, (uint32_t)clock_us);
     psvr2_vector(packet, 0x138, -0.6f, 0, 0.8f);
-    psvr2_vector(packet, 0x13c, 0, 0.8f, 900); /* ends the packet: convergence distance */
+    psvr2_vector(packet, 0x13c, 0, 0.8f, 900); /* the convergence distance at the end of the packet */
 }
 
 #endif

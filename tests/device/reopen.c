@@ -2,7 +2,7 @@
  *
  *   reopen SPEC TIMES
  *
- * Exit code 1, with a line, if a source cannot be opened, breaks or ends. */
+ * Prints a line and exits with 1 if a source cannot be opened, breaks or ends. */
 #include "tracker.h"
 
 #include <stdio.h>

@@ -1,5 +1,5 @@
-# Fake eye trackers: programs of the project run unmodified among umockdev's fake devices. Without umockdev these tests
-# are skipped, and say so.
+# Fake eye trackers: the project's programs run unmodified among umockdev's fake devices. Without umockdev these tests
+# are skipped and say so.
 pkg_check_modules(UMOCKDEV QUIET IMPORTED_TARGET umockdev-1.0)
 add_executable(device_probe device/probe.c)
 target_link_libraries(device_probe PRIVATE tracker m)
@@ -8,7 +8,6 @@ target_link_libraries(device_reopen PRIVATE tracker)
 if(UMOCKDEV_FOUND)
   add_library(fake STATIC device/fake.c device/fake_hid.c device/fake_usb.c)
   target_link_libraries(fake PUBLIC PkgConfig::UMOCKDEV util m)
-  # The harness calls into umockdev, whose threads and objects are not ours to check.
   add_executable(device_plug device/plug.c)
   target_link_libraries(device_plug PRIVATE fake)
   add_executable(device_latency device/latency.c)
@@ -21,7 +20,7 @@ foreach(name hid psvr2 auto list conformance fovead leak latency)
   set_tests_properties(device_${name} PROPERTIES LABELS "device" SKIP_RETURN_CODE 77)
 endforeach()
 
-# A true kernel in a virtual machine, and trackers made in it.
+# A real kernel in a virtual machine, with trackers made through it.
 add_executable(vm_hid device/vm_hid.c)
 add_executable(vm_usb device/vm_usb.c)
 target_link_libraries(vm_hid PRIVATE m)

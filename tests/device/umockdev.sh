@@ -1,5 +1,5 @@
-# Programs among fake eye trackers: sh umockdev.sh PROGRAMS SOURCE WHAT, where PROGRAMS is the build directory and WHAT one
-# of the names at the end. Exit code 77: umockdev is missing.
+# Tests of programs among fake eye trackers: sh umockdev.sh PROGRAMS SOURCE WHAT, where PROGRAMS is the build directory
+# and WHAT is one of the names in the `case` below. Exit code 77: umockdev is missing.
 set -eu
 . "$(dirname "$0")/../room.sh"
 programs=$(cd "$1" && pwd)
@@ -14,7 +14,7 @@ fi
 place=$(mktemp -d)
 trap 'rm -rf "$place"' EXIT
 cd "$place"
-# The preload comes before a sanitizer's library, and is not ours to be checked for leaks.
+# umockdev's preload comes before a sanitizer's library, and its leaks are not ours to check.
 export ASAN_OPTIONS="${ASAN_OPTIONS:+$ASAN_OPTIONS:}verify_asan_link_order=0:detect_leaks=0"
 
 fail() {
@@ -22,7 +22,8 @@ fail() {
     exit 1
 }
 
-# run ACTION... -- COMMAND...: what it prints is kept in out and shown; it must end well.
+# run ACTION... -- COMMAND...: run the command under plug, keep what it prints in the files out and err, show it, and
+# fail unless the exit code is 0.
 run() {
     status=0
     ${wrapper-umockdev-wrapper} "$plug" "$@" >out 2>err || status=$?
@@ -31,18 +32,19 @@ run() {
     [ "$status" = 0 ] || fail "exit code $status: plug $*"
 }
 
-# value NAME: what the probe said of it.
+# value NAME: a value in the probe's summary.
 value() { sed -n "s/.*\\<$1=\\([0-9.]*\\).*/\\1/p" out; }
 at_least() { [ "$(value "$1" | cut -d. -f1)" -ge "$2" ] || fail "$1=$(value "$1"), expected $2 or more"; }
 is() { [ "$(value "$1")" = "$2" ] || fail "$1=$(value "$1"), expected $2"; }
-says() { grep -q "$1" err || fail "nobody said '$1'"; }
+says() { grep -q "$1" err || fail "stderr does not contain '$1'"; }
 
-# No sample is missing; the source keeps those of some two seconds for a reader that is late.
+# Fail if a sample is missing. When the reader is more than a second late, the source may drop samples: it keeps those
+# of about two seconds.
 gapless() { [ "$(value gaps)" = 0 ] || [ "$(value worst_wait_ms | cut -d. -f1)" -ge 1000 ] || fail "gaps: $(cat out)"; }
 
 case $what in
 hid)
-    # There, gone, there again; its loss is told, its screen is its own.
+    # A tracker is there, goes, and comes back: the loss is reported, and the screen is the tracker's own.
     run hid run taken:200 out:hid hid taken:200 end -- "$probe" hid
     at_least valid 300
     at_least losses 1
@@ -50,22 +52,22 @@ hid)
     gapless
     says 'plug: hid: started 1, stopped 1' # by the program, when it ends
     says 'screen of 600 x 340 mm (calibrated)'
-    # Plugged in later; then one that sends garbage, which is survived, and the good one again.
+    # A tracker is plugged in later; then one that sends garbage, which does no harm; then the good one again.
     run run said:'waiting for an eye tracker' hid taken:200 out:hid garbage taken:100 out:garbage hid taken:200 end -- "$probe" hid
     at_least valid 300
     is connections 3
-    # One whose descriptor is cut off is refused in one line, and stands in nobody's way.
+    # A tracker whose descriptor is cut off is refused with one line, and does not keep another one from being used.
     status=0
     umockdev-wrapper "$plug" broken -- "$probe" hid >out 2>err || status=$?
     grep -q 'FAIL: /dev/hidraw0 (Fovea Test Tracker): report descriptor, byte 38' out || fail "$(cat out)"
     run broken hid run taken:250 end -- "$probe" hid
     at_least valid 200
-    # What it reports of its status between reports of gaze is told, and that it no longer is so.
+    # A status that the tracker reports between gaze reports is shown, and disappears when it is over.
     run unready run said:'500 Hz; it asks for the user to be calibrated' ok taken:+300 end -- "$probe" hid
     at_least valid 500
     gapless
-    tail -n 2 err | grep -q '500 Hz \[heap' || fail "it is ready, and nobody says so: $(cat err)"
-    # A tracker that is slower, at a rate of its own.
+    tail -n 2 err | grep -q '500 Hz \[heap' || fail "the tracker is ready, but its status does not say so: $(cat err)"
+    # A slower tracker runs at its own rate.
     run hid:60 run taken:100 end -- "$probe" hid
     at_least valid 80
     ;;
@@ -77,7 +79,7 @@ psvr2)
     says 'PlayStation VR2 on /dev/bus/usb/001/002'
     run run said:'waiting for an eye tracker' psvr2 taken:250 end -- "$probe" psvr2
     at_least valid 200
-    # A user's calibration goes to the device, whole; one that is not there is an error.
+    # The user's calibration is sent to the device as a whole. A missing file is an error.
     head -c 5000 /dev/zero >calibration
     run psvr2 run taken:50 end -- "$probe" psvr2 none calibration
     says 'plug: psvr2: started 1, stopped 1, calibration of 5000 bytes'
@@ -85,38 +87,39 @@ psvr2)
     status=0
     umockdev-wrapper "$plug" psvr2 -- "$probe" psvr2 none absent >out 2>err || status=$?
     grep -q 'FAIL: absent: No such file' out || fail "$(cat out)"
-    # What comes back while it is closed, and what does not come back, is left behind: it can be opened again.
+    # Reads that return late or never while the device is closed are abandoned: the device can be opened again.
     run psvr2-late -- "$programs/device_reopen" psvr2 5
     run psvr2-stuck -- "$programs/device_reopen" psvr2 2
     ;;
 auto)
-    # A recording until a tracker comes; and no way back when it goes.
+    # A recording is replayed until a tracker comes. The source does not go back to it when the tracker goes.
     run run said:'no eye tracker found' hid said:'eye tracker Fovea Test Tracker' taken:200 out:hid \
         psvr2 said:'eye tracker PlayStation VR2' taken:200 end -- "$probe" auto "$source/fixtures/hall.gaze"
     says 'hall.gaze.*no eye tracker found'
     at_least valid 300
     is connections 2
-    # Two at once: the first of the table; when it goes, the other.
+    # Two trackers are there: the source takes the first of the table, and when that goes, the other.
     run psvr2 hid run said:'eye tracker Fovea Test Tracker' out:hid said:'eye tracker PlayStation VR2' end -- "$probe" auto
     is connections 2
     ;;
 list)
-    # What is there, what it can do, and, without the right to it, the way out.
+    # The list shows the trackers, what they can do, and, if the user lacks permission, what to do about it.
     run hid broken psvr2 -- "$programs/fovead" --list-trackers
     grep -q 'Fovea Test Tracker (deed:feed)' out || fail 'no HID tracker in the list'
-    grep -q 'gaze hid:/dev/hidraw0$' out || fail 'its path is not told'
-    grep -q 'problem.*byte 38: an item that is cut short' out || fail 'the broken one has no problem'
+    grep -q 'gaze hid:/dev/hidraw0$' out || fail 'the list does not show its path'
+    grep -q 'problem.*byte 38: an item that is cut short' out || fail 'the list shows no problem of the broken tracker'
     grep -q 'PlayStation VR2 (054c:0cde)' out || fail 'no PlayStation VR2 in the list'
     if [ "$(id -u)" = 0 ] && setpriv --reuid 65534 --regid 65534 --clear-groups test -x "$programs/fovead" 2>/dev/null; then
         chmod 755 "$place"
-        # libusb wants to write in the bed, for uevents; the devices themselves stay root's.
+        # libusb writes uevents into the bed. The devices themselves still belong to root.
         run hid psvr2 -- sh -c 'chmod -R a+rwX "$UMOCKDEV_DIR"; exec setpriv --reuid 65534 --regid 65534 --clear-groups "$@"' \
             sh "$programs/fovead" --list-trackers
         for tracker in 'Permission denied.*deed:feed' 'PlayStation VR2): Access denied'; do
             grep 'problem.*install 70-fovead.rules' out | grep -q "$tracker" || fail "no advice on permissions: $tracker"
         done
     fi
-    # What it advises is installed where udev looks, before the rule that grants access, and has these trackers.
+    # The udev rules that the list recommends are installed where udev looks, before the rule that grants access, and
+    # name these trackers.
     DESTDIR="$place/root" cmake --install "$programs" >/dev/null
     rules=$(find root -path '*/lib/udev/rules.d/*.rules')
     [ "$(printf '%s\n' "${rules##*/}" 73-seat-late.rules | sort | head -n 1)" = 70-fovead.rules ] || fail "rules: $rules"
@@ -125,11 +128,11 @@ list)
     done
     ;;
 conformance)
-    # Sources that deliver, by the suite that is for all of them.
+    # Sources that deliver pass the test suite for all sources.
     run hid psvr2 -- "$programs/test_tracker_conformance" hid psvr2
     ;;
 fovead)
-    # The daemon itself, unmodified, while it renders: gaze comes, and comes again after the tracker was pulled out.
+    # The daemon itself, unmodified and rendering: gaze arrives, and arrives again after the tracker was unplugged.
     make_room
     cat >watched.sh <<'END'
 set -eu
@@ -162,15 +165,15 @@ END
     run garbage -- "$programs/fovead" --scene room.obj --size 256 --gaze auto --until 2s --json
     ;;
 leak)
-    # 12 times in and out, or as often as CYCLES says: no plugging is missed, descriptors and threads are as before, and
-    # from the middle to the end the heap has not grown by more than allocators keep for themselves.
-    # Without the wrapper there are no uevents, which fovead does not go by, and of which umockdev aborts when a program
-    # closes its socket for them in the same moment: once in some hundred times.
+    # Plug in and out 12 times, or as often as CYCLES says. No plugging is missed, descriptors and threads are as
+    # before, and from the middle to the end the heap does not grow by more than allocators keep for themselves.
+    # The wrapper is left out, so there are no uevents. fovead does not need them, and umockdev aborts if a program
+    # closes its uevent socket at the wrong moment, which happens about once in a hundred times.
     cycles=${CYCLES:-12} wrapper=
     for kind in ${KINDS:-hid psvr2}; do
         run "$kind" run repeat:"$cycles" taken:50 out:"$kind" "$kind" end -- "$probe" "$kind"
         at_least connections "$cycles"
-        at_least losses $((cycles * 9 / 10)) # gone before its first report: nothing to lose
+        at_least losses $((cycles * 9 / 10)) # none if it goes before its first report
         set -- $(sed 's/.*descriptors=\([0-9]*\)->\([0-9]*\) threads=\([0-9]*\)->\([0-9]*\).*/\1 \2 \3 \4/' out)
         [ "$2" -le "$1" ] || fail "$(($2 - $1)) descriptors leaked"
         [ "$4" -le "$3" ] || fail "$(($4 - $3)) threads leaked"
@@ -182,7 +185,7 @@ leak)
     done
     ;;
 latency)
-    # That it works; the bar is for a machine that does nothing else: device_latency prints it.
+    # Only checks that device_latency works: its bar is for a machine that does nothing else.
     make_room
     umockdev-wrapper "$programs/device_latency" room.obj 1500 500 >out 2>err || [ $? = 1 ] || fail "$(cat err)"
     cat out

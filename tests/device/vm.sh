@@ -1,7 +1,7 @@
-# fovead with a true kernel: sh vm.sh PROGRAMS SOURCE, where PROGRAMS is the build directory. QEMU (without KVM, one processor)
-# boots Debian's kernel; the guest has the host's files, read-only, runs the fovead of PROGRAMS in them, and makes eye trackers
-# through uhid and vhci_hcd. The kernel's package is fetched once, into FOVEAD_VM_CACHE or ~/.cache/fovead-vm. Exit code 77: this
-# machine cannot run it, with a word why.
+# fovead with a real kernel: sh vm.sh PROGRAMS SOURCE, where PROGRAMS is the build directory. QEMU (without KVM, one
+# processor) boots Debian's kernel. The guest mounts the host's files read-only, runs fovead from PROGRAMS, and makes
+# eye trackers through uhid and vhci_hcd. The kernel's package is downloaded once, into FOVEAD_VM_CACHE or
+# ~/.cache/fovead-vm. Exit code 77: this machine cannot run the test, and a line says why.
 set -eu
 programs=$(realpath "$1")
 source=$(realpath "$2")
@@ -18,7 +18,7 @@ busybox=$(command -v busybox || true)
 [ -n "$busybox" ] && ! ldd "$busybox" >/dev/null 2>&1 || skip "a static busybox is missing (apt-get install busybox-static)"
 [ "$(uname -m)" = x86_64 ] || skip "the guest's kernel is for x86_64"
 
-# One package, by its whole name and version: apt takes less for a pattern.
+# Ask for the package by its exact name and version, because apt takes a shorter name for a pattern.
 name=$(apt-cache depends linux-image-amd64 2>/dev/null | sed -n 's/.*Depends: \(linux-image-[0-9][^ ]*\)$/\1/p' | head -n 1)
 version=$(apt-cache policy "${name:-none}" 2>/dev/null | sed -n 's/.*Candidate: //p')
 release=${name#linux-image-}
@@ -33,7 +33,7 @@ if ! [ -f "$cache/release" ] || { [ -n "$version" ] && [ "$(cat "$cache/release"
         dpkg --fsys-tarfile "$name"_*.deb | tar -x --wildcards "./boot/vmlinuz-$release" "$modules/drivers/hid/*" \
             "$modules/drivers/usb/*" "$modules/drivers/virtio/*" "$modules/fs/9p/*" "$modules/net/9p/*" "$modules/fs/netfs/*" \
             "$modules/fs/fscache/*" 2>/dev/null || true
-        # The payload of vmlinuz is one xz stream. QEMU boots what is in it by itself, and saves the guest the unpacking.
+        # vmlinuz contains vmlinux as an xz stream. QEMU can boot vmlinux directly, which saves the guest the unpacking.
         start=$(LC_ALL=C grep -abo "$(printf '\3757zXZ')" "boot/vmlinuz-$release" | head -n 1 | cut -d: -f1)
         tail -c +$((start + 1)) "boot/vmlinuz-$release" | xz -dc --single-stream >vmlinux 2>/dev/null || true
         head -c 4 vmlinux | grep -q ELF || exit 1
@@ -52,7 +52,7 @@ mkdir -p "$root/bin" "$root/modules" "$root/proc" "$root/sys" "$root/dev" "$root
 cp "$busybox" "$root/bin/busybox"
 for applet in sh mount insmod cat echo mkdir chroot dd printf poweroff; do ln -s busybox "$root/bin/$applet"; done
 
-# A module's file after those that it needs.
+# with_needs MODULE: print the file of a module after the files of the modules that it depends on.
 with_needs() {
     file=$(find "$cache/modules" -name "$(echo "$1" | tr _ -).ko" -o -name "$(echo "$1" | tr - _).ko" | head -n 1)
     [ -n "$file" ] || return 0 # built in
@@ -87,11 +87,11 @@ END
 chmod 755 "$root/init"
 (cd "$root" && find . | cpio -o -H newc --quiet) >"$place/initramfs"
 
-# What is written to port 0xf4 ends QEMU with twice that and one.
+# The byte that the guest writes to port 0xf4 ends QEMU with the exit code 2 * byte + 1.
 status=0
 qemu-system-x86_64 -M pc -accel tcg -smp 1 -m 1024 -nodefaults -no-user-config -display none -no-reboot \
     -kernel "$cache/vmlinux" -initrd "$place/initramfs" -serial stdio -device isa-debug-exit,iobase=0xf4,iosize=1 \
     -virtfs local,path=/,mount_tag=host,security_model=none,readonly=on,multidevs=remap \
     -append "console=ttyS0 quiet panic=-1 mitigations=off nokaslr" </dev/null || status=$?
-[ $((status % 2)) = 1 ] || { echo "FAIL: the guest ended without a verdict"; exit 1; }
+[ $((status % 2)) = 1 ] || { echo "FAIL: the guest ended without an exit code"; exit 1; }
 exit $((status / 2))

@@ -1,4 +1,5 @@
-# What the guest of vm.sh does: sh vm_guest.sh PROGRAMS. Trackers are kernel devices here, fovead is the one of PROGRAMS.
+# The part of vm.sh that runs in the guest: sh vm_guest.sh PROGRAMS. Trackers are devices of the guest's kernel, and
+# programs are those in PROGRAMS.
 programs=$1
 . "$(dirname "$0")/../room.sh"
 cd /run
@@ -12,7 +13,8 @@ fail() {
 
 seconds() { echo "  at $(cut -d' ' -f1 /proc/uptime) s"; }
 
-# probe SPEC LEAST CONNECTIONS NAME: until SIGTERM, in the background; judge, after, what it said.
+# probe SPEC: read a gaze source in the background. judge SAMPLES CONNECTIONS: end the probe, and check that it saw at
+# least this many.
 probe() { "$programs/device_probe" "$1" >probe.out 2>probe.err & probe=$!; }
 judge() {
     kill "$probe" 2>/dev/null
@@ -41,11 +43,11 @@ judge 200 2
 echo "== fovead itself, both trackers at once; the one that it took is pulled out, and the other goes on"
 make_room
 "$programs/fovead" --scene room.obj --size 128 --gaze auto --json >fovead.out 2>fovead.err & fovead=$!
-# Only then does it tell which tracker it takes.
+# fovead says which tracker it takes only when it is ready.
 while ! grep -q '^fovead: ready$' fovead.err && kill -0 "$fovead" 2>/dev/null; do sleep 0.1; done
 "$programs/vm_hid" 750 250 & hid=$!
 "$programs/vm_usb" 750 250 & usb=$!
-# Nobody opens the trackers of a fovead that has ended.
+# If fovead ends early, nobody opens the trackers: end them too.
 (tail --pid="$fovead" -f /dev/null; kill "$hid" "$usb" 2>/dev/null) & watcher=$!
 wait "$hid" || fail "fovead never opened the HID tracker"
 wait "$usb" || fail "fovead never asked the PlayStation VR2 for gaze"

@@ -1,9 +1,9 @@
-/* vm_hid: a page 0x12 eye tracker made through the kernel's /dev/uhid, for the guest of vm.sh.
+/* vm_hid: make a page 0x12 eye tracker through the kernel's /dev/uhid, for the guest of vm.sh.
  *
  *   vm_hid REPORTS HZ
  *
- * Answers feature requests, waits until it is opened, sends so many reports while it is, and is unplugged in
- * the middle of its stream. */
+ * Answers feature requests, waits until a program opens it, sends this many reports while it is open, and is
+ * unplugged in the middle of its stream. */
 #include "descriptors.h"
 #include "hid_tracker.h"
 

@@ -1,10 +1,10 @@
-/* vm_usb: a PlayStation VR2 as the kernel's vhci_hcd sees it over USB/IP, for the guest of vm.sh. No network:
- * the link is a socket pair, one end of which is handed to the kernel.
+/* vm_usb: make a PlayStation VR2 that the kernel's vhci_hcd sees over USB/IP, for the guest of vm.sh. There
+ * is no network: the link is a socket pair, and one end of it is handed to the kernel.
  *
  *   vm_usb PACKETS HZ
  *
- * Waits until it is asked to stream, sends so many packets, and is unplugged in the middle. Messages are
- * those of the kernel's Documentation/usb/usbip_protocol.rst: 48 bytes, big-endian, then data. */
+ * Waits until a program asks it to stream, sends this many packets, and is unplugged in the middle. Messages
+ * follow the kernel's Documentation/usb/usbip_protocol.rst: 48 bytes, big-endian, then data. */
 #include "psvr2.h"
 
 #include <arpa/inet.h>
@@ -77,7 +77,7 @@ static void transfer(struct usb *usb, void *bytes, size_t size, bool out)
     }
 }
 
-/* length: of the data, or that it was taken. */
+/* length: of `data`, or of the data that was taken. */
 static void reply(struct usb *usb, uint32_t command, uint32_t number, int status, const void *data,
                   uint32_t length)
 {
@@ -158,7 +158,7 @@ static bool attach(int theirs)
     int length =
         snprintf(text, sizeof text, "0 %d 65538 3", theirs); /* port, socket, device id, high speed */
     ssize_t written;
-    /* The port may still be busy with what was unplugged just now. */
+    /* The port may still be busy with the device that was just unplugged. */
     while ((written = write(file, text, (size_t)length)) != length && (errno == EBUSY || errno == EINVAL))
         nanosleep(&(struct timespec){.tv_nsec = 50000000}, NULL);
     if (file >= 0) close(file);
