@@ -1,9 +1,8 @@
-/* Speed against accuracy: how the error of the gaze disc falls with time, for every way to place samples.
+/* Speed against accuracy: how the error of the gaze disc falls with time, for every distribution of samples.
  *
- * All distributions render the same scene in the same run, in turns of a growing slice of time, so that a
- * machine that slows down slows them all. Their error is taken against a reference whose paths all fall
- * around the disc, drawn from other random numbers. Only the time of batches counts.
- */
+ * All distributions render the same scene in the same run. They take turns of growing length, so that a
+ * machine that slows down slows all of them. The error is measured against a reference whose paths all fall
+ * around the disc and use other random numbers. Only the time of batches counts. */
 #include "bench.h"
 #include "chart.h"
 #include "renderer.h"
@@ -25,12 +24,12 @@ struct setup {
     float gaze_deg[2]; /* azimuth, elevation */
     int width, bounces, repeats, reference_spp;
     double target, limit_seconds;
-    float *disc; /* weights of the film's pixels: 1 in the gaze disc, else 0 */
+    float *disc; /* weight of each pixel of the film: 1 in the gaze disc, else 0 */
     bool json;
     const char *plot;
 };
 
-/* One distribution's render, and the curve that it draws. */
+/* The render of one distribution, and its curve of error over time. */
 struct way {
     const struct rnd_distribution *distribution;
     struct rnd_render *render;
@@ -38,9 +37,9 @@ struct way {
     uint64_t paths;
     int points;
     double time[MAX_POINTS], error[MAX_POINTS];
-    double reached[MAX_REPEATS]; /* seconds until the target, INFINITY if not */
+    double reached[MAX_REPEATS]; /* seconds until the target was reached, or INFINITY */
     double paths_per_second[MAX_REPEATS];
-    double disc_share; /* of the paths that fell into the disc */
+    double disc_share; /* share of paths that fell into the disc */
 };
 
 static const char help[] =
@@ -79,7 +78,7 @@ static bool parse(int count, char **arguments, struct setup *out)
     return bench_options(count, arguments, help, option, &out->scene, &out->json);
 }
 
-/* The gaze, in the middle of a viewport of that field of view. */
+/* Aim at the gaze, with a viewport of this field of view around it. */
 static struct rnd_aim aim_at(const struct setup *setup, float fov)
 {
     struct rnd_aim aim = {.fov = {fov, fov}};
@@ -107,8 +106,8 @@ static struct rnd_render *create(const struct rnd_scene *scene, const struct set
     return render;
 }
 
-/* The disc, converged: all paths fall into a viewport that is just larger. Returns the film, and the relative
- * standard error of its disc from the half-buffers. */
+/* Make the reference of the disc: all paths fall into a viewport that is slightly larger. Returns the film,
+ * and the relative standard error in the disc from the half-buffers. */
 static float *make_reference(const struct rnd_scene *scene, const struct setup *setup, double *out_error)
 {
     const struct rnd_aim aim = aim_at(setup, RAD(2.0f * DISC_DEG + 1.0f));
@@ -141,8 +140,8 @@ static float *make_reference(const struct rnd_scene *scene, const struct setup *
     return film;
 }
 
-/* Seconds at which the curve crossed the target: straight lines in log-log, as error falls with a power of
- * time. */
+/* When the curve reached the target, s. Interpolated linearly in log-log, because the error falls with a
+ * power of time. */
 static double crossing(const struct way *way, double target)
 {
     for (int i = 1; i < way->points; i++) {
@@ -181,7 +180,7 @@ static double share_in_disc(struct way *way, const struct setup *setup, float *s
     return inside / (double)way->paths;
 }
 
-/* One race of all ways from empty films, with the random numbers of a seed. */
+/* One race of all distributions from empty films, with one seed for the random numbers. */
 static bool race(const struct rnd_scene *scene, const struct setup *setup, struct way *ways, int count,
                  int repeat, const float *reference, float *film)
 {
@@ -204,7 +203,7 @@ static bool race(const struct rnd_scene *scene, const struct setup *setup, struc
             while (way->seconds < until) {
                 const double start = bench_seconds(CLOCK_MONOTONIC);
                 rnd_render_batch(way->render, &aim, 0, BATCH, &batch);
-                way->seconds += bench_seconds(CLOCK_MONOTONIC) - start; /* the lights' survey too */
+                way->seconds += bench_seconds(CLOCK_MONOTONIC) - start; /* includes the survey of lights */
                 way->paths += batch.paths;
                 way->rays += (double)batch.rays;
             }

@@ -1,10 +1,10 @@
-"""fovead beside Blender Cycles: the same scene, light and camera. Started by cycles.sh, inside Blender.
+"""fovead beside Blender Cycles: the same scene, light and camera. cycles.sh starts it inside Blender.
 
-The scene is first rewritten to what both are to show: diffuse materials with base colour and texture, what they emit, and
-triangles with normals and texture coordinates. Both read that file. Each then renders the panorama, and once more the
-gaze disc alone, twice, from different random numbers; means are compared, weighted by solid angle, and the differences
-between the two renders of a pixel say how sure the means are. Then both race, in turns, so that a machine that slows
-down slows both.
+First the scene is rewritten to what both can show: triangles with normals and texture coordinates, and diffuse materials
+with base colour, texture and emission. Both read that file. Then each renders the panorama twice, and the gaze disc alone
+twice, from different random numbers. Their means are compared, weighted by solid angle. The differences between the two
+renders of a pixel tell the standard error of the means. Finally both race in turns, so that a machine that slows down
+slows both.
 """
 import argparse
 import json
@@ -20,7 +20,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import cycles_scene  # noqa: E402
 
 DISC_DEG = 5.79
-BAR = 0.01  # means agree when they differ by less, with twice the standard error on top
+BAR = 0.01  # means agree if their difference plus twice its standard error is below
 REGION_DEG = 100
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 
@@ -79,7 +79,7 @@ def parse(arguments):
 
 
 def link(directory, folder, uri, name):
-    """A name for a file beside the rewritten scene: readers differ in what they take for a path."""
+    """Link a file under a plain name beside the rewritten scene, because readers differ in which paths they accept."""
     if uri.startswith("data:"):
         return uri
     os.symlink(os.path.join(folder, uri), os.path.join(directory, name))
@@ -105,7 +105,7 @@ def diffuse(material):
 
 
 def rewrite(path, directory, flat):
-    """The scene with nothing left but what both are to show, in directory. Returns it and its path."""
+    """Write the scene into directory with only what both can show. Returns the scene and its path."""
     kept = ("POSITION", "TEXCOORD_0") if flat else ("POSITION", "NORMAL", "TEXCOORD_0")
     try:
         with open(path, "rb") as file:
@@ -151,7 +151,7 @@ def first_camera(gltf, path):
 
 
 def fovead(setup, *options):
-    """Runs it; returns its summary."""
+    """Run fovead. Returns its summary."""
     command = [setup.fovead, "--scene", setup.rewritten, "--camera", "%.9g,%.9g,%.9g" % setup.camera, "--bounces",
                str(setup.bounces), "--threads", str(setup.threads), "--json", *options]
     if setup.env:
@@ -168,7 +168,7 @@ def fovead(setup, *options):
 
 
 def still_gaze(setup, path):
-    """A log of head and eye that rest, in fovead's own format: a second at 120 Hz, to be replayed in a loop."""
+    """Write a log in which head and eye rest, in fovead's own format: one second at 120 Hz, to be replayed in a loop."""
     with open(os.path.join(setup.fixtures, "hall.gaze")) as file:
         first = file.readline() + file.readline()
     columns = len(first.split("\n")[1].split(" "))
@@ -187,8 +187,8 @@ def still_gaze(setup, path):
 
 
 def weights(width, height, setup):
-    """Weights of the rows by solid angle; then the pixels whose middle is within the gaze disc, and all: but for those that
-    the sun's own disc may touch, which Cycles does not show to a camera.
+    """The weight of each row by solid angle, the pixels whose middle is in the gaze disc, and all pixels. Pixels that the
+    sun's disc may touch are left out, because Cycles does not show it to a camera.
     """
     def toward(azimuth, elevation):
         azimuth, elevation = math.radians(azimuth), math.radians(elevation)
@@ -199,7 +199,7 @@ def weights(width, height, setup):
     dazzled = math.cos(math.radians(setup.sun[3] / 2 + 360 / width)) if sun else None
     rows, disc, every = [], [], []
     for y in range(height):
-        elevation = ((y + 0.5) / height - 0.5) * 180  # rows go up
+        elevation = ((y + 0.5) / height - 0.5) * 180  # rows count from the bottom
         rows.append(math.cos(math.radians(elevation)))
         for x in range(width):
             d = toward(((x + 0.5) / width - 0.5) * 360, elevation)
@@ -212,9 +212,9 @@ def weights(width, height, setup):
 
 
 def mean(pair, width, rows, places):
-    """Mean R, G, B of the places in two renders of a panorama, the mean luminance and its standard error.
+    """Mean R, G, B of some pixels in two renders of a panorama, the mean luminance, and its standard error.
 
-    Renders a and b of a pixel that are independent have a mean of variance (a - b)^2 / 4, expected.
+    If the renders a and b of a pixel are independent, the expected variance of their mean is (a - b)^2 / 4.
     """
     total, rgb, square = 0.0, [0.0, 0.0, 0.0], 0.0
     a, b = pair
@@ -231,13 +231,13 @@ def mean(pair, width, rows, places):
 
 
 def region(setup, width, degrees):
-    """The part of a panorama that covers so many degrees around the gaze: left, right, bottom and top in pixels."""
+    """The part of a panorama that covers this many degrees around the gaze: left, right, bottom and top, in pixels."""
     per, height = width / 360, width // 2
     x, y = (180 + setup.gaze[0]) * per, (90 + setup.gaze[1]) * per
     half_y = degrees / 2 * per
     half_x = half_y / max(math.cos(math.radians(abs(setup.gaze[1]))), 0.01) if degrees < 90 else half_y
     left, right = math.floor(x - half_x), math.ceil(x + half_x)
-    if left < 0 or right > width:  # it goes round behind
+    if left < 0 or right > width:  # it crosses the seam
         left, right = 0, width
     return left, right, max(math.floor(y - half_y), 0), min(math.ceil(y + half_y), height)
 
@@ -249,7 +249,7 @@ def verdict(difference, error):
 
 
 def compare_part(setup, name, places, rows, part, how, directory):
-    """A row of the first table: the mean of places, from renders of a part of the panorama (None: of all)."""
+    """A row of the first table: the mean of some pixels, from renders of a part of the panorama (None: all of it)."""
     pixels = setup.width * (setup.width // 2)
     inside = (part[1] - part[0]) * (part[3] - part[2]) if part else pixels
     pairs = {"fovead": [], "cycles": []}
@@ -287,14 +287,14 @@ def compare(setup, directory):
 
 
 def cycles_speed(setup, path, part, spp):
-    """Paths per second between a render of one path per pixel and one of many, so that what is done once does not count."""
+    """Paths per second, from the difference between a long render and one of one path per pixel, which has the same start."""
     few, few_seconds = cycles_scene.render(setup.race_width, 1, 1, path, part)
     paths, seconds = cycles_scene.render(setup.race_width, 1 + spp, 2, path, part)
     return (paths - few) / max(seconds - few_seconds, 1e-3)
 
 
 def fill_turn(setup, path, part):
-    """The paths per pixel by which Cycles fills a turn: more and more, until the time that they take can be told."""
+    """How many paths per pixel Cycles needs to fill a turn: doubled until the time that they take can be measured."""
     spp, seconds = 1, 0.0
     while seconds < 0.4 * setup.seconds:
         spp *= 2
@@ -303,7 +303,7 @@ def fill_turn(setup, path, part):
 
 
 def race(setup, directory):
-    """Rows of the second table: medians of paths per second."""
+    """The rows of the second table: medians of paths per second."""
     path = os.path.join(directory, "race.exr")
     until = ["--size", str(setup.race_width), "--until", "%gs" % setup.seconds]
     ways = {
@@ -327,7 +327,7 @@ def race(setup, directory):
             for name, values in speeds.items()]
 
 
-# --- what is said ---
+# --- output ---
 
 
 def say(text):
@@ -365,7 +365,7 @@ def measure(arguments, directory, out):
         setup.scene = os.path.join(setup.fixtures, "hall.gltf")
         setup.env = setup.env or os.path.join(setup.fixtures, "sky.hdr")
     if setup.env and not os.path.isfile(setup.env):
-        raise cycles_scene.Unreadable("%s: there is no such file" % setup.env)
+        raise cycles_scene.Unreadable("%s: no such file" % setup.env)
     if abs(setup.gaze[0]) > 180 or abs(setup.gaze[1]) > 90:
         raise cycles_scene.Unreadable("argument --gaze: expected -180 to 180 and -90 to 90 degrees")
     setup.env = setup.env and os.path.abspath(setup.env)
@@ -391,14 +391,14 @@ def measure(arguments, directory, out):
 
 def main():
     directory, *arguments = sys.argv[sys.argv.index("--") + 1:]
-    with os.fdopen(3, "w") as out:  # Blender talks on the standard output
+    with os.fdopen(3, "w") as out:  # Blender prints to standard output
         try:
             good = measure(arguments, directory, out)
         except cycles_scene.Unreadable as error:
             say(str(error))
             out.flush()
-            os._exit(2)  # Blender would add words of its own
-        except Exception as error:  # whose trace Blender would print on the standard output
+            os._exit(2)  # without Blender's own message
+        except Exception as error:  # Blender would print a trace to standard output
             say("%s: %s" % (type(error).__name__, error))
             os._exit(1)
     sys.exit(0 if good else 1)

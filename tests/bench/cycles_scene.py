@@ -1,8 +1,8 @@
 """A glTF scene of diffuse materials in Blender Cycles, as fovead sees it: run by cycles.py.
 
-Blender's own importer is not used: it needs numpy, which Debian's Blender can do without, and it makes of a material what
-Blender thinks best. Frame: glTF's -Z, forward, becomes +X here, +X becomes -Y and +Y becomes +Z. Forward then lies in the
-middle of what Cycles takes for an equirectangular image, of the environment's as of the camera's.
+Blender's own importer is not used: it needs numpy, which Debian's Blender may lack, and it changes materials as Blender
+thinks best. Frame: glTF's -Z, which is forward, becomes +X here, +X becomes -Y, and +Y becomes +Z. Forward is then in the
+middle of Cycles' equirectangular images, both of the environment and of the camera.
 """
 import array
 import base64
@@ -18,11 +18,11 @@ FRAME = Matrix(((0, 0, -1, 0), (-1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 0, 1)))
 
 
 class Unreadable(Exception):
-    """What is wrong with a scene, in one line."""
+    """Says in one line what is wrong with a scene or an option."""
 
 
 def owner(thing, name):
-    """Who has a setting of Cycles: the object or camera itself in newer Blenders, its part for Cycles in Blender 3.4."""
+    """The holder of a Cycles setting: the object or camera itself in newer Blenders, its `cycles` part in Blender 3.4."""
     return thing if hasattr(thing, name) else thing.cycles
 
 
@@ -44,7 +44,7 @@ def local_matrix(node):
 
 
 def walk(gltf):
-    """Every node of the scene with its matrix, node to world in glTF's frame."""
+    """Every node of the scene with its matrix: node to world, in glTF's frame."""
     waiting = [(i, Matrix()) for i in gltf["scenes"][gltf.get("scene", 0)]["nodes"]]
     while waiting:
         index, parent = waiting.pop()
@@ -71,10 +71,10 @@ class Buffers:
                     self.bytes.append(file.read())
 
     def read(self, index, kinds):
-        """An accessor as one flat array; its component type must be one of kinds."""
+        """An accessor as a flat array. Its component type must be one of kinds."""
         accessor = self.gltf["accessors"][index]
         if accessor["componentType"] not in kinds or "sparse" in accessor or "bufferView" not in accessor:
-            raise Unreadable("accessor %d is of a kind that is not read here" % index)
+            raise Unreadable("accessor %d has a type that this program does not read" % index)
         code, size = self.KIND[accessor["componentType"]]
         width = self.WIDTH[accessor["type"]]
         view = self.gltf["bufferViews"][accessor["bufferView"]]
@@ -91,10 +91,11 @@ class Buffers:
 
 
 def split(faces, *attributes):
-    """Every triangle into four, until a thousand would be too few. The arrays of the attributes grow; returns the faces.
+    """Split every triangle into four, again and again while there are at most 1024. Returns the faces; the arrays of the
+    attributes grow.
 
-    For emitters. Cycles 3.4 draws from a triangle that is longer than far by its solid angle, of which its fast arc cosines
-    leave errors of some 1e-4: measured, a square metre of light at 3 m is 4 % too dark at grazing angles.
+    This is for emitters. If a triangle is longer than it is far away, Cycles 3.4 draws from its solid angle, and its fast
+    arc cosines cause errors of about 1e-4: measured, an emitter of 1 m^2 at 3 m is 4 % too dark at grazing angles.
     """
     while 0 < 4 * len(faces) <= 1024:
         finer = []
@@ -111,7 +112,7 @@ def split(faces, *attributes):
 
 
 def add_mesh(buffers, primitive, world, material, emits):
-    """One primitive, its vertices in the world: a node's matrix may shear, which an object's cannot."""
+    """Add a primitive with its vertices in the world frame: a node's matrix may shear, a Blender object's cannot."""
     attributes = primitive["attributes"]
     position = buffers.read(attributes["POSITION"], (5126,))
     normal = buffers.read(attributes["NORMAL"], (5126,)) if "NORMAL" in attributes else None
@@ -140,11 +141,11 @@ def add_mesh(buffers, primitive, world, material, emits):
         turn = to_here.to_3x3().inverted_safe().transposed()
         mesh.polygons.foreach_set("use_smooth", [True] * len(faces))
         if hasattr(mesh, "use_auto_smooth"):
-            mesh.use_auto_smooth = True  # before Blender 4.1 Cycles looks at them only then
+            mesh.use_auto_smooth = True  # before Blender 4.1, Cycles ignores normals without it
         mesh.normals_split_custom_set_from_vertices(
             [(turn @ Vector(normal[i:i + 3])).normalized() for i in range(0, len(normal), 3)])
     thing = bpy.data.objects.new("object", mesh)
-    owner(thing, "shadow_terminator_geometry_offset").shadow_terminator_geometry_offset = 0  # on by default, and a bias
+    owner(thing, "shadow_terminator_geometry_offset").shadow_terminator_geometry_offset = 0  # biased, and on by default
     bpy.context.scene.collection.objects.link(thing)
     return triangles
 
@@ -153,7 +154,7 @@ def add_mesh(buffers, primitive, world, material, emits):
 
 
 def decoded(path):
-    """A texture as linear floats: of bytes Cycles filters what is encoded, and decodes what comes out, a little darker."""
+    """A texture as linear floats. Cycles filters byte textures before it decodes them, which makes them a little darker."""
     name = "linear " + path
     if name in bpy.data.images:
         return bpy.data.images[name]
@@ -166,7 +167,7 @@ def decoded(path):
     values = array.array("f", bytes(16 * width * height))
     image.pixels.foreach_get(values)
     step = array.array("f", [1 / 255])[0]
-    code = array.array("f", [i * step for i in range(256)])  # as Blender makes them
+    code = array.array("f", [i * step for i in range(256)])  # as Blender computes them
     linear = {v: v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4 for v in code}
     out = bpy.data.images.new(name, width, height, float_buffer=True)
     out.colorspace_settings.name = "Non-Color"
@@ -177,7 +178,7 @@ def decoded(path):
 
 
 def add_image(nodes, gltf, directory, texture):
-    """A node with the image of a glTF texture: linear, repeating."""
+    """Add a node with the image of a glTF texture, filtered linearly and repeated."""
     image = gltf["images"][gltf["textures"][texture]["source"]]
     node = nodes.new("ShaderNodeTexImage")
     node.image = decoded(os.path.join(directory, image["uri"]))
@@ -186,7 +187,7 @@ def add_image(nodes, gltf, directory, texture):
 
 
 def add_product(tree, gltf, directory, factor, texture):
-    """Factor times texture; an output, or the factor alone where there is no texture."""
+    """The output of a node that multiplies factor and texture; None without a texture."""
     if texture is None:
         return None
     node = tree.nodes.new("ShaderNodeVectorMath")
@@ -205,7 +206,7 @@ def set_colour(tree, node, gltf, directory, factor, texture):
 
 
 def make_material(gltf, directory, description):
-    """Lambert with the base colour, and what it emits: from the front alone unless it is double-sided."""
+    """Lambert with the base colour, and emission, which is only from the front unless the material is double-sided."""
     material = bpy.data.materials.new("material")
     material.use_nodes = True
     tree = material.node_tree
@@ -256,11 +257,11 @@ def add_env(path):
 
 
 def add_sun(azimuth, elevation, irradiance, diameter):
-    """Degrees right of -Z, degrees, on a surface that faces it, degrees: as fovead --sun."""
+    """Add a sun with the arguments of fovead --sun: degrees to the right of -Z, degrees up, irradiance, degrees."""
     light = bpy.data.lights.new("sun", "SUN")
     light.energy, light.angle = irradiance, math.radians(diameter)
     sun = bpy.data.objects.new("sun", light)
-    # Unturned it stands at the zenith; forward is +X, right is -Y.
+    # Without a rotation it is at the zenith. Forward is +X, right is -Y.
     sun.rotation_euler = (0, math.radians(90 - elevation), math.radians(-azimuth))
     bpy.context.scene.collection.objects.link(sun)
 
@@ -278,9 +279,9 @@ def add_camera(position):
 
 
 def settle(bounces, threads):
-    """Plain unidirectional path tracing: nothing that trades a bias for noise, a filter of one pixel.
+    """Set up plain unidirectional path tracing, without anything that trades noise for bias, and a filter of one pixel.
 
-    Cycles counts what follows the first surface, fovead the surfaces after the first: fovead's bounces are one more.
+    fovead's bounces are one more than those of Cycles for the same paths.
     """
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
@@ -295,7 +296,7 @@ def settle(bounces, threads):
     cycles.use_adaptive_sampling = cycles.use_denoising = cycles.use_fast_gi = cycles.use_guiding = False
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
     cycles.light_sampling_threshold = 0
-    # Its first path of a pixel goes through the middle whatever the filter is: a bias while paths are few.
+    # The first path of a pixel goes through its middle whatever the filter is, which is a bias while paths are few.
     cycles.sample_offset = 1
     cycles.pixel_filter_type = "BOX"
     cycles.max_bounces = cycles.diffuse_bounces = bounces - 1
@@ -305,7 +306,7 @@ def settle(bounces, threads):
 
 
 def build(gltf, directory, setup):
-    """The scene of a glTF file as cycles.py has prepared it. Returns the number of triangles."""
+    """Make the Blender scene of a glTF file that cycles.py has prepared. Returns the number of triangles."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.context.scene.world = bpy.data.worlds.new("world")
     settle(setup.bounces, setup.threads)
@@ -326,15 +327,15 @@ def build(gltf, directory, setup):
 
 
 def render(width, spp, seed, path, part=None):
-    """Renders the panorama, or of it a part: left, right, bottom and top in pixels from the lower left corner; the rest
-    stays black. Returns the paths and the seconds that it took, all included.
+    """Render the panorama, or a part of it: left, right, bottom and top, in pixels from the lower left corner. The rest stays
+    black. Returns the number of paths and the total time in seconds.
     """
     scene = bpy.context.scene
     height = width // 2
     scene.render.resolution_x, scene.render.resolution_y = width, height
     scene.render.use_border, scene.render.use_crop_to_border = part is not None, False
     left, right, bottom, top = part or (0, width, 0, height)
-    # Shares are cut to whole pixels: a little more keeps float from making that one less.
+    # Blender truncates these to whole pixels: 0.1 more keeps rounding from losing one.
     scene.render.border_min_x, scene.render.border_max_x = (left + 0.1) / width, (right + 0.1) / width
     scene.render.border_min_y, scene.render.border_max_y = (bottom + 0.1) / height, (top + 0.1) / height
     scene.cycles.samples, scene.cycles.seed = spp, seed
@@ -345,7 +346,7 @@ def render(width, spp, seed, path, part=None):
 
 
 def pixels(path):
-    """An EXR's R, G, B, A floats as they are in the file, from its lower left corner."""
+    """The R, G, B, A floats of an EXR as they are in the file, from its lower left corner."""
     image = bpy.data.images.load(path)
     image.colorspace_settings.name = "Non-Color"
     out = array.array("f", bytes(4 * len(image.pixels)))

@@ -1,7 +1,7 @@
-/* What each feature of a scene costs if the scene has it, and that it costs nothing otherwise. A small room
- * with the feature is compared with the same room without it, with it only in the file, and with it where no
- * ray comes. The rooms are traced in turns, with the same paths, by one thread; its processor time counts,
- * since the machine may do other work. */
+/* What each feature costs in a scene that has it, and whether it costs anything otherwise. A small room with
+ * the feature is compared with the same room without it, with the feature only in the file, and with it where
+ * no ray comes. The rooms are traced in turns, with the same paths, by one thread. Processor time is
+ * measured, because the machine may do other work. */
 #include "bench.h"
 #include "renderer.h"
 #include "room.h"
@@ -20,15 +20,15 @@ struct setup {
     bool json;
 };
 
-/* The rooms of a feature. */
+/* The rooms that are compared for a feature. */
 enum { WITHOUT, WITH, UNUSED, HIDDEN, WAYS };
 
 struct feature {
     const char *name, *against;
     struct room room;       /* with it */
-    enum room_parts before; /* parts that have the surface without it */
+    enum room_parts before; /* parts with the surface in the room without the feature */
     bool sun;
-    bool unused, hidden; /* can it be in the file alone, and where no ray comes? */
+    bool unused, hidden; /* is there a room with it only in the file, or where no ray comes? */
 };
 
 /* --- features --- */
@@ -120,9 +120,9 @@ static struct rnd_scene *load(const char *directory, const struct feature *f, in
 /* --- measurement --- */
 
 struct figures {
-    double seconds[WAYS][MAX_TURNS]; /* of a processor, of all paths */
+    double seconds[WAYS][MAX_TURNS]; /* processor time of all paths */
     double rays[WAYS];               /* of all paths; the same in every turn */
-    bool same[WAYS];                 /* is its picture, bit for bit, that without the feature? */
+    bool same[WAYS];                 /* is the picture, bit for bit, the same as without it? */
 };
 
 static const char help[] =
@@ -148,8 +148,8 @@ static bool parse(int count, char **arguments, struct setup *out)
     return bench_options(count, arguments, help, option, NULL, &out->json);
 }
 
-/* All paths once more, from an empty film on: the same every time. The first, before which the lights are
- * surveyed, is not timed. */
+/* Trace all paths again from an empty film, which gives the same picture every time. The first batch, before
+ * which lights are surveyed, is not timed. */
 static double trace(struct rnd_render *render, const struct rnd_scene *scene, const struct setup *setup,
                     double *out_rays)
 {
@@ -166,7 +166,7 @@ static double trace(struct rnd_render *render, const struct rnd_scene *scene, co
     return bench_seconds(CLOCK_PROCESS_CPUTIME_ID) - start;
 }
 
-/* Do the pictures agree in every bit, and have the same paths been taken? */
+/* Are the pictures the same, bit for bit? */
 static bool agree(struct rnd_render *a, struct rnd_render *b)
 {
     static float picture[2][WIDTH * HEIGHT * 3];
@@ -175,7 +175,7 @@ static bool agree(struct rnd_render *a, struct rnd_render *b)
     return memcmp(picture[0], picture[1], sizeof picture[0]) == 0;
 }
 
-/* A turn: the rooms are read anew, each in each other's place in memory, and traced in turns. */
+/* One turn: read the rooms anew, which puts each at another place in memory, and trace them in turns. */
 static bool measure(const char *directory, const struct feature *f, const struct setup *setup, int turn,
                     struct figures *to)
 {
@@ -194,12 +194,12 @@ static bool measure(const char *directory, const struct feature *f, const struct
         scene[w] = load(directory, f, w, error);
         render[w] = scene[w] ? rnd_render_create(scene[w], &options, error) : NULL;
         ok = render[w] != NULL;
-        if (ok) trace(render[w], scene[w], setup, &to->rays[w]); /* once before the clock counts */
+        if (ok) trace(render[w], scene[w], setup, &to->rays[w]); /* once without the clock */
     }
     if (!ok) fprintf(stderr, "fovea-bench: %s: %s\n", f->name, error);
     for (int r = 0; ok && r < ROUNDS; r++)
         for (int i = 0; i < WAYS; i++) {
-            const int w = (turn + (r % 2 ? WAYS - 1 - i : i)) % WAYS; /* each after each other one */
+            const int w = (turn + (r % 2 ? WAYS - 1 - i : i)) % WAYS; /* every room follows every other one */
             if (render[w]) to->seconds[w][turn] += trace(render[w], scene[w], setup, &to->rays[w]) / ROUNDS;
         }
     for (int w = 0; ok && w < WAYS; w++) to->same[w] = render[w] && agree(render[WITHOUT], render[w]);
@@ -213,11 +213,11 @@ static bool measure(const char *directory, const struct feature *f, const struct
 /* --- results --- */
 
 struct cost {
-    double percent, error; /* more time than without the feature; standard error of that */
+    double percent, error; /* extra time over the room without it; its standard error */
 };
 
-/* The median of what each turn says, with the error of a median whose values are spread as a normal
- * distribution with their median deviation. */
+/* The median over all turns, and its standard error if turns are normally distributed with their median
+ * deviation. */
 static struct cost cost(const struct figures *f, const struct setup *setup, int way)
 {
     double more[MAX_TURNS], deviation[MAX_TURNS];
@@ -228,7 +228,7 @@ static struct cost cost(const struct figures *f, const struct setup *setup, int 
                          1.4826 * 1.2533 * bench_median(deviation, setup->turns) / sqrt(setup->turns)};
 }
 
-/* The same for a ray, %. */
+/* The same cost per ray, %. */
 static double cost_of_ray(const struct figures *f, const struct setup *setup)
 {
     return (100 + cost(f, setup, WITH).percent) * f->rays[WITHOUT] / f->rays[WITH] - 100;
@@ -300,7 +300,7 @@ static bool complain(const struct feature *f, const char *what)
     return false;
 }
 
-/* Whether what is absent leaves the picture alone, and what is there does not. */
+/* Check that an absent feature does not change the picture, and that a present one does. */
 static bool judge(const struct figures *figures)
 {
     bool ok = true;

@@ -1,9 +1,9 @@
-/* How far from the true gaze is the direction rendered for? Filter off, filter on, prediction on, at several
- * latencies; and how soon the onset of a saccade shows.
+/* How far the direction that is rendered for is from the true gaze: with the filter off, with the filter, and
+ * with prediction, at several latencies. And how soon the onset of a saccade shows.
  *
- * The synthetic observer runs at ten times the tracker's rate, so that latency is not rounded to the
- * tracker's samples; every tenth sample is what the tracker delivers. Calibration bias is left out: no filter
- * takes it away, and it would hide what they do. Only times at which the tracker can see the eye count.
+ * The synthetic observer runs at ten times the tracker's rate, so that latencies are not rounded to the
+ * tracker's samples; every tenth sample is what the tracker delivers. Calibration bias is left out, because
+ * no filter removes it and it would hide their effect. Only times at which the tracker can see the eye count.
  */
 #include "bench.h"
 #include "chart.h"
@@ -23,10 +23,10 @@ static const char *const way_names[WAYS] = {"filter off", "filter on", "predicti
 static const struct trk_attention_options way_options[WAYS] = {{.raw = true}, {0}, {.predict = true}};
 static const int latency_ms[LATENCIES] = {0, 20, 50, 80};
 static const char *const phase_names[PHASES] = {"fixation", "100 ms after saccades", "all"};
-/* Classes of saccades by amplitude, deg: from this to the next. */
+/* Classes of saccades by amplitude, deg. Each ends where the next one begins. */
 static const double amplitude_from[AMPLITUDES + 1] = {0, 1, 2, 3, 5, 10, 31};
 
-/* Smaller ones are microsaccades, after which nobody renders anew. */
+/* Smaller saccades are microsaccades, after which nobody renders anew. */
 static const double seen_deg = 1;
 
 /* The chart: time since the onset of saccades of at least 5 degrees. */
@@ -41,17 +41,17 @@ struct setup {
     const char *plot;
 };
 
-/* What is true at one tick of the observer. */
+/* The truth at one tick of the observer. */
 struct tick {
     float direction[3];
     bool hidden, is_saccade;
-    float since_end_s; /* of the last saccade */
-    uint32_t saccade;  /* place in the list of the one under way, or else of the last; 0 before the first */
+    float since_end_s; /* since the end of the last saccade */
+    uint32_t saccade;  /* index of the current saccade, or of the last one; 0 before the first */
 };
 
 struct saccade {
     double onset_s, end_s, amplitude_deg;
-    bool hidden; /* a blink or drop-out is too near to judge */
+    bool hidden; /* a blink or drop-out is too near to judge it */
 };
 
 struct world {
@@ -63,7 +63,7 @@ struct world {
 };
 
 struct onset {
-    int count, missed, late[MAX_LATE]; /* late: after so many samples, 0 being the first after the onset */
+    int count, missed, late[MAX_LATE]; /* late[n]: found n samples after the first one that could show it */
 };
 
 struct result {
@@ -71,7 +71,7 @@ struct result {
     struct onset onset[AMPLITUDES];
     double false_per_minute, noise_deg;
     double chart[WAYS][LATENCIES][CHART_BINS]; /* median */
-    double landing_median, landing_p95;        /* error of the prediction at the end of saccades */
+    double landing_median, landing_p95;        /* error of the prediction when saccades end */
 };
 
 static const char help[] =
@@ -114,7 +114,7 @@ static void take_truth(struct world *world, const struct trk_truth *truth, doubl
     memcpy(tick->direction, truth->direction, sizeof tick->direction);
 }
 
-/* From 100 ms before the onset, when noise and rest are learnt, to 30 ms after the end. */
+/* Look from 100 ms before the onset, when noise and rest are measured, to 30 ms after the end. */
 static void mark_hidden(struct world *world)
 {
     for (size_t i = 1; i <= world->saccades; i++) {
@@ -188,7 +188,7 @@ static double quantile(float *values, size_t count, double q)
     return count ? values[(size_t)(q * (double)(count - 1))] : NAN;
 }
 
-/* Error at tick i, of what was decided so long ago. */
+/* Error at tick i of the direction that was decided one latency earlier. */
 static double error_at(const struct world *world, int way, int latency, size_t i)
 {
     const size_t late = (size_t)(latency_ms[latency] * RATE_HZ * OVERSAMPLE / 1000);
@@ -221,7 +221,7 @@ static bool measure_errors(const struct world *world, struct result *out)
     return true;
 }
 
-/* The median error at every time around the onset, of those saccades that no other one follows in that time.
+/* The median error at every time around the onset, over saccades that no other saccade follows in that time.
  */
 static bool measure_chart(const struct world *world, struct result *out)
 {
@@ -255,9 +255,9 @@ static int class_of(double amplitude_deg)
     return k;
 }
 
-/* Each onset that the filtering way reports belongs to the saccade that is under way, or is false. A sample
- * of tolerance before the true onset is noise that helped; after the end there are three, for the smallest.
- */
+/* Each onset that is reported with the filter on belongs to the saccade that is under way, or is a false
+ * alarm. It may come one sample before the true onset, when noise helps, and for the smallest saccades up to
+ * three samples after the end. */
 static void measure_onsets(const struct world *world, struct result *out)
 {
     const struct trk_aim *gaze = world->gaze[1];
@@ -300,7 +300,7 @@ static double within(const struct onset *onset, int samples)
     return onset->count ? (double)sum / onset->count : NAN;
 }
 
-/* The share of onsets within two samples, of all saccades that are none of the smallest. */
+/* The share of onsets found within two samples, among saccades that are not microsaccades. */
 static double within_bar(const struct result *result)
 {
     double count = 0, found = 0;
@@ -313,7 +313,7 @@ static double within_bar(const struct result *result)
     return found / count;
 }
 
-/* --- what is shown --- */
+/* --- output --- */
 
 static void print_tables(const struct setup *setup, const struct result *result)
 {

@@ -17,8 +17,8 @@ struct vertex {
     float position[3], normal[3], uv[2], colour[4];
 };
 
-/* What the buffer holds, in this order; balls where they stand, then one around the origin, one under the
- * floor. */
+/* The meshes in the buffer, in this order. The balls are where they stand; then come one around the origin
+ * and one under the floor. */
 enum { FLOOR, WALLS, PANEL = WALLS + 4, MESHED_PANEL, BALL, BALL_AT_ORIGIN = BALL + BALLS, HIDDEN, MESHES };
 
 struct mesh {
@@ -32,10 +32,10 @@ static struct mesh mesh[MESHES];
 
 /* --- geometry --- */
 
-/* A surface over u, v in [0,1]: position and normal. p: what it needs. */
+/* A surface over u, v in [0,1]: computes position and normal from the parameters p. */
 typedef void surface(const float *p, float u, float v, struct vertex *to);
 
-/* p: a corner, two edges from it. */
+/* p: a corner, and two edges that start there. */
 static void flat(const float *p, float u, float v, struct vertex *to)
 {
     const float *a = p + 3, *b = p + 6;
@@ -47,7 +47,7 @@ static void flat(const float *p, float u, float v, struct vertex *to)
     }
 }
 
-/* Flat, level, with bumps of 8 cm. */
+/* Flat and level, with bumps of 8 cm. */
 static void bumpy(const float *p, float u, float v, struct vertex *to)
 {
     flat(p, u, v, to);
@@ -71,7 +71,7 @@ static void ball(const float *p, float u, float v, struct vertex *to)
     }
 }
 
-/* Twice the triangle's area as a vector; what points against the first normal is turned. */
+/* Add a triangle that faces the way of its first normal. `area` is twice its area as a vector. */
 static void add_triangle(uint32_t a, uint32_t b, uint32_t c)
 {
     const float *p = vertex[a].position, *q = vertex[b].position, *r = vertex[c].position;
@@ -105,7 +105,7 @@ static void add_mesh(int which, surface *shape, const float *p, int columns, int
             add_triangle(a + first, b + first, a + 1 + first);
             add_triangle(a + 1 + first, b + first, b + 1 + first);
         }
-    for (uint32_t t = first_triangle; t < triangles; t++) /* from the mesh's first vertex on */
+    for (uint32_t t = first_triangle; t < triangles; t++) /* indices count from the mesh's first vertex */
         for (int i = 0; i < 3; i++) triangle[t][i] -= first;
     mesh[which] = (struct mesh){first, vertices - first, first_triangle, triangles - first_triangle};
 }
@@ -150,7 +150,7 @@ static const char *path_of(const char *directory, const char *name)
     return path;
 }
 
-/* As materials name them: 0 colours, with alpha 0 in holes; 1 roughness and metal; 2 normals. */
+/* 0 colours, with alpha 0 in holes; 1 roughness and metal; 2 normals. */
 enum { COLOURS, METAL_ROUGH, NORMALS, IMAGES };
 static const char *const image_name[IMAGES] = {"colours.png", "metal_rough.png", "normals.png"};
 
@@ -166,7 +166,8 @@ static void paint(int image, int x, int y, float out[4])
     out[3] = image == COLOURS && s * s + t * t < 0.25f ? 0 : 1;
 }
 
-/* The file need not be replaced whole: its folder is this program's own and is removed at the end. */
+/* Close a file. It is not written under another name first: its folder belongs to this program and is removed
+ * at the end. */
 static bool close_written(FILE *file, const char *directory, const char *name, char *out_error)
 {
     bool ok = file && !ferror(file);
@@ -175,7 +176,7 @@ static bool close_written(FILE *file, const char *directory, const char *name, c
     return ok;
 }
 
-static float pixel[SIDE * SIDE][4]; /* of the picture that is written */
+static float pixel[SIDE * SIDE][4]; /* of the picture that is being written */
 
 static void fill_rows(struct rnd_pixels_source *source, int first, int count, float *out_pixels)
 {
@@ -236,7 +237,7 @@ static json_t *quoted(const char *text)
     return json_loads(copy, 0, NULL);
 }
 
-/* Five accessors a mesh: position, normal, uv, colour, index. */
+/* Five accessors per mesh: position, normal, uv, colour, index. */
 static json_t *accessors(void)
 {
     static const size_t offset[4] = {offsetof(struct vertex, position), offsetof(struct vertex, normal),
@@ -288,7 +289,7 @@ static bool has_surface(const struct room *room, int m)
     }
 }
 
-/* The meshes of the buffer by their numbers, and one more that has the surface. */
+/* The meshes of the buffer under their numbers, and one more, with the surface. */
 static json_t *meshes(const struct room *room)
 {
     json_t *list = json_array();

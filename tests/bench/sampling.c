@@ -1,6 +1,6 @@
-/* How much less error the renderer's sample points leave than independent random numbers, on functions of the
- * unit square with known means: smooth as a soft shadow, with an edge, and with detail finer than the points.
- */
+/* How much smaller the error is with the renderer's sample points than with independent random numbers. The
+ * functions are over the unit square, with known means: one is as smooth as a soft shadow, one has an edge,
+ * and one has finer detail than the points. */
 #include "bench.h"
 #include "math/sampler.h"
 
@@ -10,8 +10,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* What is averaged: its value at x, y in [0,1), and its mean over them, whatever the offset of its pattern.
- */
+/* A function to average: its value at x, y in [0,1), and its mean there, which does not depend on the offset
+ * of the pattern. */
 struct integrand {
     const char *name;
     double (*value)(double x, double y, const double offset[2]);
@@ -30,7 +30,8 @@ static double edge(double x, double y, const double offset[2])
     return 0.6 * x + 0.8 * y < 0.7;
 }
 
-/* At any offset: at none, 64 of the renderer's points would give it exactly, one in each field. */
+/* The offset is needed: without it, 64 of the renderer's points would give the exact mean, one in each field.
+ */
 static double checker(double x, double y, const double offset[2])
 {
     return ((int)(8 * x + 2 * offset[0]) + (int)(8 * y + 2 * offset[1])) & 1;
@@ -62,7 +63,7 @@ static double next(uint64_t *state)
     uint64_t z = *state += 0x9e3779b97f4a7c15u;
     z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
     z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return (double)((z ^ z >> 31) >> 40) * 0x1p-24; /* as fine as the renderer's */
+    return (double)((z ^ z >> 31) >> 40) * 0x1p-24; /* the same resolution as the renderer's */
 }
 
 static struct figures measure(const struct integrand *of, int samples, bool any_start, int seeds)

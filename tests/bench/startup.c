@@ -1,4 +1,4 @@
-/* Time from the start to the first coarse picture, step by step; and memory per pixel of the film. */
+/* The time from the start to the first coarse picture, step by step, and the memory per pixel of the film. */
 #include "bench.h"
 #include "renderer.h"
 
@@ -41,7 +41,7 @@ static bool parse(int count, char **arguments, struct setup *out)
     return bench_options(count, arguments, help, option, &out->scene, &out->json);
 }
 
-/* Memory of this process that is there, bytes. */
+/* Resident memory of this process, bytes. */
 static double resident(void)
 {
     long pages = 0;
@@ -82,8 +82,8 @@ static bool measure(const struct setup *setup, int turn, double figure[FIGURES][
         const double before = resident();
         if (!(render = rnd_render_create(scene, &options, error)))
             exit((fprintf(stderr, "fovea-bench: %s\n", error), 1));
-        /* twice a path in every eighth pixel: both halves of the film, and so nearly every page of it, are
-         * touched */
+        /* Twice one path per eight pixels: that touches both halves of the film, and nearly all of its pages.
+         */
         for (int i = 0; i < 2; i++)
             rnd_render_batch(render, &aim, 0, (uint32_t)(setup->width * (setup->width / 16)), &batch);
         *out_bytes = (resident() - before) / ((double)setup->width * setup->width / 2);
@@ -103,10 +103,10 @@ int bench_startup(int count, char **arguments)
     double bytes = 0, largest = 0, median[FIGURES];
     if (!parse(count, arguments, &setup)) return 2;
     setup.scene.image_program =
-        rnd_image_program_create(); /* as fovead has them: the program that reads pictures starts once */
+        rnd_image_program_create(); /* as in fovead, the program that reads pictures starts once */
     for (int t = 0; t < setup.turns; t++) {
         if (!measure(&setup, t, figure, &info, &bytes)) return 1;
-        largest = fmax(largest, bytes); /* a later turn may find memory that an earlier one left */
+        largest = fmax(largest, bytes); /* a later turn may reuse memory of an earlier one */
     }
     rnd_image_program_destroy(setup.scene.image_program);
     for (int i = 0; i < FIGURES; i++) median[i] = bench_median(figure[i], setup.turns);

@@ -1,6 +1,6 @@
-/* Paths and rays per second, and where the time goes, compared with only the calls to Embree for the same
- * rays. Both run in turns, so that a machine that slows down slows both. Processor time and wall time are
- * printed: beside other work, the first says more. */
+/* Paths and rays per second, and where the time goes, compared with Embree alone tracing the same rays. Both
+ * run in turns, so that a machine that slows down slows both. Processor time and wall time are printed:
+ * beside other work, processor time says more. */
 #include "bench.h"
 #include "renderer.h"
 
@@ -17,20 +17,20 @@ struct setup {
     struct rnd_scene_options scene;
     float gaze_deg[2];
     int width, bounces, turns, batch;
-    double seconds; /* of each measurement in a turn */
+    double seconds; /* for each measurement in a turn */
     bool json;
 };
 
-/* What is measured, in turns. */
+/* What is measured in turns. */
 enum { FV, OD, FV_ONE_THREAD, WAYS };
 static const char *const way_name[WAYS] = {"fv", "od", "fv, 1 thread"};
 
 struct figures {
     double paths[MAX_TURNS], rays[MAX_TURNS]; /* a second */
     double place[MAX_TURNS];                  /* s a path */
-    double share[MAX_TURNS][6];               /* of the threads' time: see share_name */
-    double cpu[MAX_TURNS];                    /* paths per second of a processor's time */
-    double traversal[MAX_TURNS];              /* the same for the same rays, Embree alone */
+    double share[MAX_TURNS][6];               /* shares of the threads' time, in the order of share_name */
+    double cpu[MAX_TURNS];                    /* paths per second of processor time */
+    double traversal[MAX_TURNS];              /* the same for Embree alone, with the same rays */
 };
 static const char *const share_name[6] = {"rays", "surface", "light", "scatter", "film", "place and wait"};
 
@@ -78,7 +78,8 @@ static struct rnd_render *create(const struct rnd_scene *scene, const struct set
     return render;
 }
 
-/* Batches, and now and then the rays of one again: what slows the machine down for a moment slows both. */
+/* Trace batches, and in between trace the rays of one again with Embree alone, so that what slows down the
+ * machine for a moment slows both. */
 static void measure(struct rnd_render *render, int threads, const struct setup *setup,
                     const struct rnd_aim *aim, int turn, struct figures *to)
 {
@@ -191,7 +192,7 @@ int bench_throughput(int count, char **arguments)
         }
     fprintf(stderr, "\r%40s\r", "");
     if (ok) {
-        double cost[MAX_TURNS]; /* s a path more, by the s that a path takes */
+        double cost[MAX_TURNS]; /* extra time to place a path, over the time that a path takes */
         for (int t = 0; t < setup.turns; t++)
             cost[t] = (figures[FV].place[t] - figures[OD].place[t]) * figures[FV].paths[t];
         (setup.json ? print_json : print_table)(&setup, figures, bench_median(cost, setup.turns));

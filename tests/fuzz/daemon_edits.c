@@ -1,9 +1,9 @@
 /* Fuzzing of --watch: the names of files that change in a scene's folder, and the files that the scene names.
  *
  * An input is up to four names, one per line, an empty line, and the paths that the scene names, one per
- * line. Files with the first names are made in a folder that is watched; those that the scene names must
- * count. See fuzz.h. This file includes edits.c, as it calls static functions; the functions that take up an
- * edit are not reached. */
+ * line. Files with the four names are made in a folder that is watched; those that the scene names must count
+ * as changes. See fuzz.h. This file includes edits.c because it calls its static functions. The functions
+ * that take up an edit are not tested. */
 #include "fuzz.h"
 
 #include <fcntl.h>
@@ -73,7 +73,7 @@ static void forget(void)
     edits->count = 0;
 }
 
-/* Does one of the paths end in that name, in whatever letter case? */
+/* Does one of the paths end in this name, in upper or lower case? */
 static bool is_named(const char *name, const char *paths, size_t size)
 {
     const size_t length = strlen(name);
@@ -90,13 +90,13 @@ static bool make(const char *name, char path[512])
     if (snprintf(path, 512, "%s/%s", folder, name) >= 512 || strchr(name, '/') || !strcmp(path, scene))
         return false;
     int fd = open(path, O_WRONLY | O_CREAT | O_EXCL, 0600);
-    if (fd < 0) return false; /* ".", "..", too long, there already */
+    if (fd < 0) return false; /* it is ".", "..", too long, or exists already */
     if (write(fd, name, strlen(name)) < 0) abort();
     close(fd);
     return true;
 }
 
-/* Lines as the paths that the scene names. */
+/* Take the lines as the paths that the scene names. */
 static void take_paths(const uint8_t *text, size_t size)
 {
     char paths[4096];

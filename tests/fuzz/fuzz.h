@@ -1,8 +1,10 @@
-/* What the fuzz targets share: a bounded run over random changes of valid inputs, from a fixed seed, for when they are
- * built as tests. With -DLIBFUZZER none of this is there, and libFuzzer drives, for as long as it is let:
+/* What the fuzz targets share. When they are built as tests, each does a limited number of random changes to
+ * valid inputs, from a fixed seed. With -DLIBFUZZER this is left out, and libFuzzer runs them for as long as
+ * it may:
  *   CC=clang CXX=clang++ cmake -S . -B build/fuzz -G Ninja -DFUZZ=ON -DSANITIZE=address,undefined
  *   cmake --build build/fuzz --target fuzz
- *   build/fuzz/fuzz_protocol_picture -max_len=4096 found tests/fuzz/corpus/picture     # found: a folder for new inputs */
+ *   build/fuzz/fuzz_protocol_picture -max_len=4096 FOUND tests/fuzz/corpus/picture
+ * FOUND is a folder for new inputs. */
 #ifndef FOVEAD_TEST_FUZZ_H
 #define FOVEAD_TEST_FUZZ_H
 
@@ -30,7 +32,7 @@ static inline uint64_t fuzz_noise(uint64_t *state)
     return *state >> 33;
 }
 
-/* One of a few ways to spoil an input of size bytes; returns the new size. */
+/* Spoil an input of size bytes in one of a few ways. Returns the new size. */
 static inline size_t fuzz_spoil(uint64_t *state, uint8_t *input, size_t size, size_t room)
 {
     size_t at = fuzz_noise(state) % size, to = fuzz_noise(state) % size;
@@ -56,7 +58,7 @@ static inline size_t fuzz_spoil(uint64_t *state, uint8_t *input, size_t size, si
     }
 }
 
-/* Put something else in the place of a number. */
+/* Replace a number in the text by something else. */
 static inline size_t fuzz_spoil_number(uint64_t *state, char *text, size_t size, size_t room)
 {
     static const char *const others[] = {
@@ -74,7 +76,7 @@ static inline size_t fuzz_spoil_number(uint64_t *state, char *text, size_t size,
     return size - (end - at) + length;
 }
 
-/* rounds inputs, each a seed with up to 7 changes, in a heap block of its exact size. */
+/* Run `rounds` inputs, each a seed with up to 7 changes, in a heap block of its exact size. */
 static inline int fuzz_run(const struct fuzz_seed *seeds, size_t count, int rounds)
 {
     static uint8_t input[8192];
@@ -95,7 +97,7 @@ static inline int fuzz_run(const struct fuzz_seed *seeds, size_t count, int roun
     return 0;
 }
 
-/* The same with every file of a folder as a seed, first as it is. */
+/* The same with every file of a folder as a seed. Each is first run unchanged. */
 static inline int fuzz_run_corpus(const char *folder, int rounds)
 {
     enum { MOST = 256, ROOM = 4096 };

@@ -1,5 +1,5 @@
-/* Fuzzing of what a peer can send: bytes to frames to messages to tiles. As a test of its own it changes a
- * valid stream at random from a fixed seed; for libFuzzer see fuzz.h. */
+/* Fuzzing of everything that a peer can send: bytes to frames to messages to tiles. As a test it changes a
+ * valid stream at random, from a fixed seed. For libFuzzer see fuzz.h. */
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,7 +20,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     pro_reader_init(&reader, PRO_MAX_TO_DAEMON);
     for (size_t at = 1; at < size && result == PRO_MORE;) {
         size_t count = size - at < step ? size - at : step;
-        uint8_t *exact = malloc(count); /* so that a sanitizer sees every step beyond */
+        uint8_t *exact = malloc(count); /* exact size: a sanitizer notices any access beyond */
         if (!exact) abort();
         memcpy(exact, data + at, count);
         if (!pro_reader_add(&reader, exact, count)) abort();
@@ -43,7 +43,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 
 #ifndef LIBFUZZER
 
-/* A stream of one message of many kinds; returns its length. */
+/* Make a stream with one message of each of many kinds. Returns its length. */
 static size_t valid_stream(uint8_t *out, size_t room)
 {
     Fovea__Hello hello = FOVEA__HELLO__INIT;

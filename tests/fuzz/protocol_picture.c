@@ -1,5 +1,5 @@
 /* Fuzzing of the picture that a client puts together: whatever film and tiles a daemon sends, the picture has
- * the film's size and is finite.
+ * the size of the film and is finite.
  *
  * An input is a stream of frames, as client.c takes them: a Welcome begins a picture, and tiles go into it.
  * See fuzz.h. */
@@ -9,7 +9,7 @@
 
 #include <math.h>
 
-enum { MOST_PIXELS = 1 << 20 }; /* of a picture that is looked at */
+enum { MOST_PIXELS = 1 << 20 }; /* largest picture whose pixels are checked */
 
 static void look(const struct pro_picture *picture, const Fovea__Welcome *film)
 {
@@ -26,7 +26,7 @@ static void look(const struct pro_picture *picture, const Fovea__Welcome *film)
     free(rgb);
 }
 
-/* Is there a tile? Its first pixel must then be one of the level. */
+/* Check that the picture has a place for the tile if and only if its first pixel is one of the level. */
 static bool has_place(const struct pro_picture *picture, const Fovea__Welcome *film, uint32_t level,
                       uint32_t x, uint32_t y)
 {

@@ -1,8 +1,7 @@
-/* Fuzzing of the hand-over from fovead-reader: any bytes either are a scene whose parts hold together, or not
- * one.
+/* Fuzzing of what fovead-reader hands over: any bytes are either a scene whose parts are consistent, or
+ * refused.
  *
- * As a test of its own it spoils what the reader hands over of a small scene, from a fixed seed. See fuzz.h.
- */
+ * As a test it spoils what the reader hands over for a small scene, from a fixed seed. See fuzz.h. */
 #include "fuzz.h"
 #include "scene_check.h"
 
@@ -18,7 +17,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     struct rnd_scene *scene = calloc(1, sizeof *scene);
     char why[200] = "";
     void *bytes =
-        aligned_alloc(16, size + 16 - size % 16); /* nearly exact, so that a sanitizer sees what is beyond */
+        aligned_alloc(16, size + 16 - size % 16); /* nearly exact: a sanitizer notices access beyond */
     if (!scene || !bytes) abort();
     memcpy(bytes, data, size);
     scene->flat = bytes;
@@ -40,7 +39,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 
 enum { ROOM = 1 << 16 };
 
-/* What the reader hands over of a file. */
+/* What the reader hands over for a file. */
 static size_t seed(const char *path, uint8_t out[ROOM])
 {
     struct rnd_scene *scene = calloc(1, sizeof *scene);
@@ -55,7 +54,7 @@ static size_t seed(const char *path, uint8_t out[ROOM])
     return (size_t)size;
 }
 
-/* Another number in the place of one of eight bytes, or four. */
+/* Replace a number of eight or four bytes. */
 static void spoil_word(uint64_t *state, uint8_t *bytes, size_t size)
 {
     static const uint64_t others[] = {0, 1, 2, 3, 16, 255, 65535, UINT32_MAX, UINT64_MAX, (uint64_t)1 << 62};

@@ -1,7 +1,7 @@
-/* Fuzzing of the glTF reader: any bytes either are a scene whose parts hold together, or one line of error.
+/* Fuzzing of the glTF reader: any bytes are either a scene whose parts are consistent, or one line of error.
  *
- * As a test of its own it starts from the small files in corpus/gltf and spoils their bytes and their
- * numbers. See fuzz.h. */
+ * As a test it starts from the small files in corpus/gltf and spoils their bytes and their numbers. See
+ * fuzz.h. */
 #include "fuzz.h"
 #include "scene_check.h"
 
@@ -47,7 +47,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 
 #ifndef LIBFUZZER
 
-/* Every file of the folder with up to six numbers of its JSON changed. */
+/* Run every file of the folder with up to six numbers of its JSON changed. */
 static void spoil_numbers(const char *folder, int rounds)
 {
     static char seed[8192], input[8192 + 1000];

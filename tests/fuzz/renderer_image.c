@@ -1,8 +1,8 @@
 /* Fuzzing of pictures: any bytes are either a whole picture or one line of error.
  *
- * The first byte chooses the name of the file and what its pixels are used for; the rest is the file. See
- * fuzz.h. Memory suffices only for small pictures, as in a process that reads pictures of a scene, so that a
- * false size is refused. */
+ * The first byte chooses the name of the file and what its pixels are used for. The rest is the file. See
+ * fuzz.h. Memory is limited to what small pictures need, as in a process that reads the pictures of a scene,
+ * so that a wrong size is refused. */
 #include "fuzz.h"
 
 #include "import/image_io.h"
@@ -14,9 +14,9 @@
 
 enum { ROOM = 512 << 20 }; /* bytes */
 
-/* A limit of addresses is not for sanitizers, which take all of them. What libraries have allocated when they
- * meet the end of a picture, and leave by longjmp(), is lost (OpenImageIO 2.4.7, libpng): not a fault of
- * ours. */
+/* With sanitizers the address space cannot be limited, because they reserve all of it; allocations that are
+ * too large return NULL instead. Leaks are not checked: when a picture ends early, libraries leave by
+ * longjmp() and lose what they have allocated (OpenImageIO 2.4.7, libpng). */
 const char *__asan_default_options(void);
 const char *__asan_default_options(void)
 {

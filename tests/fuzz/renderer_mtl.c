@@ -1,7 +1,7 @@
-/* Fuzzing of our own reading of OBJ and MTL files: any text gives materials with usable numbers.
+/* Fuzzing of our own reader of OBJ and MTL files: any text gives materials with usable numbers.
  *
- * The text before a line of three dashes is the OBJ file, the rest its x.mtl; without such a line all is
- * x.mtl. See fuzz.h. */
+ * The text before a line of three dashes is the OBJ file, and the rest is its x.mtl. Without such a line all
+ * of it is x.mtl. See fuzz.h. */
 #include "fuzz.h"
 
 #include "import/mtl_file.h"
@@ -10,7 +10,7 @@
 #include <math.h>
 #include <unistd.h>
 
-static char folder[64], obj[80], mtl[80]; /* the folder with its slash */
+static char folder[64], obj[80], mtl[80]; /* folder ends with a slash */
 
 static void tidy(void)
 {
@@ -40,7 +40,7 @@ static void check(const struct rnd_mtl_file *file)
     for (int i = 0; i < file->count; i++) {
         const struct rnd_mtl_material *m = &file->material[i];
         if (m->library < 0 || m->library >= file->libraries || !m->name) abort();
-        /* To the last of that name: another one, or this. */
+        /* Finds the last material of this name, which may be another one. */
         if (!rnd_mtl_file_find(file, m->name)) abort();
         if (!isfinite(m->bump)) abort();
         for (int k = 0; k < RND_MTL_MAPS; k++)

@@ -1,4 +1,4 @@
-/* Checks of a scene everything that the renderer assumes. Ends the program if something is wrong. */
+/* Check everything in a scene that the renderer relies on. Ends the program if something is wrong. */
 #ifndef FOVEAD_TEST_SCENE_CHECK_H
 #define FOVEAD_TEST_SCENE_CHECK_H
 
@@ -12,7 +12,7 @@ static inline void scene_check_map(const struct rnd_scene *scene, const struct r
     if (map->texture >= (int)scene->texture_count || map->uv_set > 1) abort();
 }
 
-/* Of a scene that was handed over: paths that can be walked through. */
+/* Check that the paths of a scene that was handed over can be walked through. */
 static inline void scene_check_files(const struct rnd_scene_info *info)
 {
     const char *at = info->files;

@@ -1,12 +1,12 @@
-/* Fuzzing of the whole program by scene files of all formats: fovead either draws a spoiled file and ends
- * with 0, or says one line and ends with 1; and one that watches a folder outlives all that is put there.
+/* Fuzzing of the whole program with scene files of all formats. fovead either draws a spoiled file and exits
+ * with 0, or prints one line and exits with 1. A fovead that watches a folder survives every file that is put
+ * there.
  *
  *   fuzz_scene_files FOVEAD [start|watch [COUNT [FIRST]]]
  *
- * Every folder of corpus/scene is a scene, whose file is called scene, with what it names. Number n of the
- * spoiled ones is always the same: COUNT from FIRST on. What goes wrong is named by its number, and its files
- * are kept.
- */
+ * Every folder of corpus/scene is a scene: a file called scene, and the files that it names. Spoiled scene
+ * number n is always the same. COUNT of them are tried, from number FIRST on. A failure is reported with its
+ * number, and its files are kept. */
 #include "fuzz.h"
 
 #include <fcntl.h>
@@ -25,16 +25,16 @@ enum {
     MOST_FILES = 8,
     READER_MIB = 1024,
     READER_SECONDS = 4,
-    OWN_MIB = 512,     /* what fovead itself may take besides what was read */
-    PATIENCE_S = 1200, /* a hang is longer than this */
-    GOOD = -1          /* number of the scene as it is */
+    OWN_MIB = 512,     /* what fovead itself may use beyond its reader */
+    PATIENCE_S = 1200, /* a program that takes longer hangs */
+    GOOD = -1          /* stands for the unspoiled scene */
 };
 
 struct set {
     char name[64];
     int count;
     char file[MOST_FILES][64];
-    char scene[64]; /* the one of them that is given to --scene */
+    char scene[64]; /* the file that is given to --scene */
     bool has_env;   /* env.hdr is given to --env */
 };
 
@@ -71,13 +71,13 @@ static void find_sets(void)
     if (set_count == 0) exit((fprintf(stderr, "%s: holds no scenes\n", CORPUS), 1));
 }
 
-/* Write a set into the folder, with one of its files spoiled by the number; each appears whole. */
+/* Write a set into the folder, with one of its files spoiled as the number says. Each file appears whole. */
 static void put(const struct set *set, int number, const char *into)
 {
     static uint8_t bytes[2 * ROOM];
     uint64_t state = 360 + (uint64_t)(number + 1) * 7919;
     const int spoiled = number == GOOD ? -1 : (int)(fuzz_noise(&state) % (uint64_t)set->count);
-    for (int turn = 0; turn < 2; turn++) /* the scene itself last: then it is read */
+    for (int turn = 0; turn < 2; turn++) /* the scene last, because writing it starts the reading */
         for (int k = 0; k < set->count; k++) {
             char path[512], part[520];
             if ((strcmp(set->file[k], set->scene) == 0) != turn) continue;
@@ -104,7 +104,7 @@ static int fail(int number, const struct set *set, const char *what)
     return 1;
 }
 
-/* Everything that is in a file of what was said. */
+/* The whole content of a file of output. */
 static const char *content(const char *name)
 {
     enum { MOST = 1 << 22 };
@@ -153,7 +153,7 @@ static pid_t run(const struct set *set, const char *const *more)
     return pid;
 }
 
-/* The status of a process that has ended or is ended for its time; -1: it was. */
+/* Wait for a process, and return its status. Returns -1 if it hung and was killed. */
 static int end_of(pid_t pid, long *out_kib)
 {
     struct rusage usage;
@@ -168,11 +168,11 @@ static int end_of(pid_t pid, long *out_kib)
         }
         nanosleep(&step, NULL);
     }
-    *out_kib = usage.ru_maxrss; /* also of readers, which it has waited for */
+    *out_kib = usage.ru_maxrss; /* includes its readers, which it has waited for */
     return status;
 }
 
-/* Does it hold bytes that move a terminal's cursor? */
+/* Does the text contain bytes that control a terminal? */
 static bool speaks_to_terminal(const char *text)
 {
     for (const unsigned char *c = (const unsigned char *)text; *c; c++)
@@ -181,9 +181,9 @@ static bool speaks_to_terminal(const char *text)
     return false;
 }
 
-/* --- one after the other --- */
+/* --- one start per scene --- */
 
-static int refused, drawn, ended; /* how it went; by a reader that was ended */
+static int refused, drawn, ended; /* results; `ended`: its reader was ended */
 static long most_kib;
 
 static int start_one(int number)
@@ -215,7 +215,7 @@ static int answers(void)
     return times(content("out"), "scene    ") + times(content("err"), "the picture stays: ");
 }
 
-/* Wait for one more answer; false if it hangs, or has gone. */
+/* Wait for one more answer. Returns false if the process hangs or has gone. */
 static bool await(pid_t pid, int before)
 {
     const struct timespec step = {0, 20000000};
@@ -227,7 +227,7 @@ static bool await(pid_t pid, int before)
     return true;
 }
 
-/* All numbers that are of this set, put before one daemon. */
+/* Put all spoiled scenes of this set before one daemon, one after the other. */
 static int watch_set(const struct set *set, int first, int count)
 {
     char address[600];

@@ -1,8 +1,8 @@
-/* Fuzzing of every log reader: any bytes either are a log, whose samples hold what trk_log_read() promises,
- * or are refused with one line.
+/* Fuzzing of every log reader: any bytes are either a log whose samples keep the promises of trk_log_read(),
+ * or refused with one line.
  *
- * An input that begins with '{' and holds an empty line is a BIDS log: the sidecar, then the table. The rest
- * is a file as it is. See fuzz.h; for one format, give libFuzzer a corpus of its logs alone. */
+ * An input that begins with '{' and contains an empty line is a BIDS log: first the sidecar, then the table.
+ * Any other input is a file. See fuzz.h. To fuzz one format, give libFuzzer a corpus of its logs only. */
 #include "fuzz.h"
 
 #include "../sanitized.h"
@@ -29,7 +29,7 @@ static void tidy(void)
     rmdir(dir);
 }
 
-/* In memory if that can be: disks are slow. */
+/* Use a folder in memory if there is one, because disks are slow. */
 static void make_dir(void)
 {
     strcpy(dir, "/dev/shm/fuzz_log.XXXXXX");
@@ -42,7 +42,7 @@ static void make_dir(void)
     atexit(tidy);
 }
 
-/* Where the input lies as a file: memory, or beside its sidecar. */
+/* Write the input to a file: in memory, or, with its sidecar, in the folder. Returns the path. */
 static const char *place(const uint8_t *data, size_t size)
 {
     static char memory[64];
@@ -73,7 +73,7 @@ static void check_log(const struct trk_log *log)
         struct trk_sample *sample = &samples[i % 2], *last = &samples[!(i % 2)];
         trk_log_sample(log, i, sample);
         if (trk_log_time(log, i) != sample->device_ns || (sample->valid & ~trk_log_seen(log))) abort();
-        if (!trk_own_accepts(sample)) abort(); /* finite, and of unit length */
+        if (!trk_own_accepts(sample)) abort(); /* directions are finite and of unit length */
         for (int eye = 0; eye < 2; eye++)
             if ((sample->valid & TRK_LEFT_OPENNESS << 4 * eye) &&
                 !(sample->eye[eye].openness >= 0 && sample->eye[eye].openness <= 1) &&

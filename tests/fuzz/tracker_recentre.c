@@ -1,5 +1,5 @@
-/* Fuzzing of the file with the rotation of recentring: any bytes are either a rotation, which is the same
- * after it was written again, or one line of error. See fuzz.h. */
+/* Fuzzing of the file that keeps the rotation of recentring: any bytes are either a rotation, which is still
+ * the same after it has been written and read again, or one line of error. See fuzz.h. */
 #include "fuzz.h"
 
 #include "tracker.h"
@@ -8,7 +8,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-/* A file in memory, and its name. */
+/* Make a file in memory and a name for it. */
 static int memory(char name[64])
 {
     int fd = memfd_create("recentre", 0);

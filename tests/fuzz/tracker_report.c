@@ -1,7 +1,8 @@
-/* Fuzzing of what eye trackers send: HID reports under a layout, and packets of vendor USB; and of the stamps
- * in both, through the clock. What comes out is finite, in range, of unit length, and goes on in time.
+/* Fuzzing of what eye trackers send: HID reports under a layout, packets of vendor USB, and the time stamps
+ * in both. Decoded samples must be finite, in range and of unit length, and mapped times must not go back.
  *
- * The first byte chooses: a descriptor of the tests, a descriptor that the input brings along, or a packet. See fuzz.h. */
+ * The first byte chooses between a descriptor of the tests, a descriptor in the input, and a packet. See
+ * fuzz.h. */
 #include "fuzz.h"
 
 #include "clock.h"
@@ -31,7 +32,8 @@ static void check_sample(const struct trk_sample *sample)
     }
 }
 
-/* Stamps are told one after another, a millisecond apart; time does not go back, nor beyond arrival. */
+/* Map the next stamp, which arrives a millisecond after the last one. Mapped times neither go back nor exceed
+ * the arrival. */
 static void check_clock(struct trk_clock *clock, uint64_t ticks)
 {
     uint64_t device_ns, sensor_ns, before_ns = (uint64_t)clock->device_ns, seen_ns = clock->sensor_ns;
