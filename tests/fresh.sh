@@ -1,7 +1,7 @@
 #!/bin/sh
-# Tests the two commands on a bare machine: a minimal Debian root made by debootstrap, with a clone of this tree in it;
-# there it runs `sh daemon/demo.sh` and then `sh tests/run.sh`. Needs root. Mirror, keyring and apt's settings are
-# those of the machine that it runs on. The demonstration's pictures are left in out/fresh/.
+# Test the two commands on a bare machine: debootstrap makes a minimal Debian root, and in a clone of this tree there
+# `sh daemon/demo.sh` and then `sh tests/run.sh` are run. Needs root. Mirror, keyring and apt's settings are those of
+# this machine. The pictures of the demonstration are left in out/fresh/.
 set -eu
 cd "$(dirname "$0")/.."
 tree=$PWD
@@ -22,13 +22,13 @@ command -v debootstrap >/dev/null || apt-get install -y --no-install-recommends 
 command -v git >/dev/null || die "git is missing: apt-get install git"
 [ -z "$(git status --porcelain)" ] || say "only what is committed is tested; there are changes that are not"
 
-# One mirror has all releases: the machine's own main one, which has no suffix such as -updates.
+# A main mirror holds all releases, so take this machine's main one, which has no suffix such as -updates.
 mirror=$(apt-get indextargets --format '$(REPO_URI) $(CODENAME)' 'Created-By: Packages' |
     sed -nE 's/ (bookworm|trixie)$//p' | head -n 1)
 keyring=/usr/share/keyrings/debian-archive-keyring.gpg # apt-get install debian-archive-keyring
 [ -n "$mirror" ] || mirror=http://deb.debian.org/debian
 root=$(mktemp -d /var/tmp/fovead-fresh.XXXXXX)
-chmod 755 "$root" # as / is: tests become other users
+chmod 755 "$root" # like /, because tests run as other users
 
 finish() {
     for place in proc dev/shm dev/pts dev sys; do
@@ -47,7 +47,7 @@ for setting in /etc/apt/apt.conf /etc/apt/apt.conf.d/*; do
     [ -f "$setting" ] && cp "$setting" "$root/etc/apt/apt.conf.d/" || true
 done
 cp /etc/resolv.conf "$root/etc/resolv.conf"
-echo "127.0.0.1 localhost" >"$root/etc/hosts" # as the installer leaves it; debootstrap does not
+echo "127.0.0.1 localhost" >"$root/etc/hosts" # the installer writes this, debootstrap does not
 mount -t proc proc "$root/proc"
 mount --rbind /dev "$root/dev"
 git clone -q "$tree" "$root/fovead"

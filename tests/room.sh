@@ -1,6 +1,6 @@
 # For test scripts: waiting for an event however slow the machine is, and a small scene to render.
 
-# await WHAT COMMAND...: until the command succeeds. The count is there to name what never comes.
+# await WHAT COMMAND...: repeat the command until it succeeds. The count only serves to name an event that never comes.
 await() {
     awaited=$1
     shift
@@ -12,7 +12,7 @@ await() {
     done
 }
 
-# A box of 4 m with a light under the ceiling, seen from its middle.
+# A box of 4 m with an emitter under the ceiling. The camera is in its middle.
 make_room() {
     cat >room.mtl <<'END'
 newmtl wall

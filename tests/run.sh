@@ -1,6 +1,7 @@
 #!/bin/sh
-# Installs what is missing, builds, and runs every test: release, AddressSanitizer with UndefinedBehaviorSanitizer, and
-# ThreadSanitizer for what has threads. One argument runs only that build: release, sanitize or tsan.
+# Install what is missing, build, and run every test: a release build, one with AddressSanitizer and
+# UndefinedBehaviorSanitizer, and one with ThreadSanitizer for the threaded parts. An argument runs only that build:
+# release, sanitize or tsan.
 set -eu
 cd "$(dirname "$0")/.."
 sh daemon/setup.sh tests
@@ -8,10 +9,10 @@ sh daemon/setup.sh tests
 export ASAN_OPTIONS="abort_on_error=0:detect_stack_use_after_return=1"
 export LSAN_OPTIONS="suppressions=$PWD/tests/lsan.supp:print_suppressions=0"
 export UBSAN_OPTIONS="print_stacktrace=1"
-# The reader of pictures forks copies, in which OpenImageIO starts threads.
+# fovead-image forks processes in which OpenImageIO starts threads.
 export TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp:second_deadlock_stack=1:die_after_fork=0"
 
-# Many tests wait for daemons more than they work.
+# One more than there are processors, because many tests mostly wait for daemons.
 jobs=$(($(nproc) + 1))
 for build in ${1:-release sanitize tsan}; do
     sanitizers=

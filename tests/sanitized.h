@@ -1,5 +1,5 @@
-/* Is this a build with a sanitizer? Sanitizers check what code does, not how often. So tests that draw or
- * trace many times for a mean do so less often there, with a wider tolerance. */
+/* SANITIZED: is this a build with a sanitizer? Sanitizers check what code does, not how often. So tests that
+ * draw or trace many times for a mean do so less often there, with a wider tolerance. */
 #ifndef FOVEAD_TESTS_SANITIZED_H
 #define FOVEAD_TESTS_SANITIZED_H
 

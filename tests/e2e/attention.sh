@@ -1,18 +1,18 @@
 #!/bin/sh
-# From samples to an aim: the stream tells what is decided and why; freezing, recentring, listing trackers.
+# From samples to an aim: what the stream tells of the decisions, freezing, recentring, and the list of trackers.
 . "$(dirname "$0")/common.sh"
 make_room
 export XDG_STATE_HOME="$place/state"
 small="--scene room.obj --size 256x128 --bounces 1" # the picture matters little
 
-# field KEY FILE: the text of that key in a JSON file; pair: its two numbers.
+# field KEY FILE: print the text of this key in a JSON file. pair KEY FILE: print its two numbers.
 field() { sed -n "s/.*\"$1\": \"\(.*\)\".*/\1/p" "$2"; }
-# heard STATE FILE: how often it was in the stream.
+# heard STATE FILE: print how often this state was in the stream.
 heard() { sed -n "/\"states\"/,/}/s/.*\"$1\": \([0-9]*\).*/\1/p" "$2"; }
 pair() { grep -A 2 "\"$1\"" "$2" | tail -n 2 | tr -d ' \n'; }
 
-# A blink, then an eye that is not seen for three seconds, and that again and again: a client that comes late, or is
-# passed over, hears of it the next time.
+# A blink, and then an eye that is not seen for three seconds, in a loop: a client that connects late or misses one sees
+# the next.
 awk 'NR > 480 && NR <= 840 {$4 = 0} NR <= 880' "$source/fixtures/hall.gaze" >blinks.gaze
 start $small --gaze replay:blinks.gaze --loop
 hears() { [ "$(heard "$1" states.json)" -gt 0 ]; }
@@ -24,15 +24,15 @@ done
 await 'both eyes' watched states.json sees_both
 [ -n "$(field why states.json)" ] || fail "$(cat states.json)"
 stop
-# Every sample as it is measured, and where a saccade will land, are other pictures than what is usual; both are as
-# certain as that.
+# --raw-gaze and --predict give other pictures than the default, and the same options give the same picture again.
 for options in "" "--raw-gaze" "--predict" "--predict"; do
     "$fovead" $small --gaze replay:blinks.gaze --clock virtual --until 1.5s $options --save now.exr >/dev/null
     md5sum <now.exr >>pictures
 done
 [ "$(sort -u pictures | wc -l)" = 3 ] && [ "$(tail -n 2 pictures | sort -u | wc -l)" = 1 ] || fail "pictures: $(cat pictures)"
 
-# One eye steers as both do together (1), be it the left (16) or the right (256), and its samples count as much.
+# One eye steers as well as both together (1), whether it is the left one (16) or the right one (256), and as many
+# samples count as valid.
 for bit in 1 16 256; do
     awk -v bit=$bit 'NR > 2 && $4 {$4 = $4 % 2 ? bit : 0} NR <= 242' "$source/fixtures/hall.gaze" >one.gaze
     "$fovead" $small --gaze replay:one.gaze --clock virtual --json >one.json
@@ -40,7 +40,7 @@ for bit in 1 16 256; do
 done >valid
 [ "$(sort -u valid | wc -l)" = 1 ] && [ "$(head -n 1 valid)" -gt 100 ] || fail "valid samples: $(cat valid)"
 
-# Frozen, the direction stays while samples come; then it follows again.
+# While frozen, the direction stays although samples arrive. Afterwards it follows again.
 start $small --gaze synthetic:4
 is_frozen() { [ "$(field state "$1")" = frozen ]; }
 goes_on() { is_frozen second.json && [ "$(number gaze_samples second.json)" -gt $(($(number gaze_samples first.json) + 100)) ]; }
@@ -48,11 +48,11 @@ is_free() { [ -n "$(field state third.json)" ] && ! is_frozen third.json && [ "$
 "$foveactl" freeze
 await 'a frozen gaze' watched first.json is_frozen first.json
 await 'samples of a frozen gaze' watched second.json goes_on
-[ "$(pair gaze_deg first.json)" = "$(pair gaze_deg second.json)" ] || fail "frozen, and the gaze moves: $(cat second.json)"
+[ "$(pair gaze_deg first.json)" = "$(pair gaze_deg second.json)" ] || fail "the gaze moves while it is frozen: $(cat second.json)"
 "$foveactl" unfreeze
 await 'a gaze that moves again' watched third.json is_free
 
-# recentre WHERE: at rest it is done; a synthetic observer rests most of the time.
+# recentre [WHERE]: try again while the eye is not at rest. A synthetic observer rests most of the time.
 recentre() {
     await 'an eye at rest' recentred "$@"
     [ ! -s why ]
@@ -63,17 +63,18 @@ has_gaze() { [ -n "$(field state where.json)" ]; }
 await 'a gaze' watched where.json has_gaze
 at=$(pair gaze_deg where.json)
 set -- $(echo "$at" | tr , ' ')
-# The eye may have moved on meanwhile: only that it is one of the two answers.
+# The eye may have moved on since: the answer is either a success or that the turn is too large.
 recentre "$1,$2" || grep -q 'at most 20' why || fail "$(cat why)"
-if recentre "$(awk -v yaw="$1" 'BEGIN {print yaw + 180}'),0"; then fail "a turn by half a circle: $(cat said)"; fi
+if recentre "$(awk -v yaw="$1" 'BEGIN {print yaw + 180}'),0"; then fail "a turn of half a circle was accepted: $(cat said)"; fi
 grep -q 'at most 20' why || fail "$(cat why)"
 refused 'recentre wants' "$foveactl" recentre up
 refused usage "$foveactl" recentre 1,2 3
-[ ! -e state ] || fail "what is no tracker's was kept"
+[ ! -e state ] || fail "a rotation was kept although no tracker is in use"
 
-# Keys, on a terminal, which is as before afterwards; each is pressed when the answer to the one before is to be seen.
+# Keys of watch in a terminal, whose settings are the same afterwards. Each key is pressed when the answer to the last
+# one shows.
 shows() { await "'$1' on the terminal" grep -q "$1" keys.txt; }
-# A step ahead and one to the right are square to each other.
+# A step ahead and a step to the right are at a right angle, whatever the view.
 moved() { "$foveactl" stats --json | grep -A 3 '"camera"' | tr -d '", ' | awk '{s += $1 * $1} END {exit !(s > 0.12 && s < 0.13)}'; }
 : >keys.txt
 (shows 'f freeze'; printf f; shows 'f unfreeze'; printf c; shows 'recentre: gaze is\|gaze is turned by'
@@ -87,7 +88,7 @@ moved || fail "w and the arrow do not move the camera: $("$foveactl" stats)"
 stop
 [ "$(wc -l <daemon.err)" = 0 ] || fail "the daemon complains: $(cat daemon.err)"
 
-# A rotation that is broken is told in one line, and nothing more comes of it; recordings have no use for one.
+# A broken rotation gives one line and is ignored. Recordings do not use the rotation.
 mkdir -p state/fovead
 echo nonsense >state/fovead/recentre
 "$fovead" $small --gaze auto --until 0.2s >/dev/null 2>broken.err || fail "$(cat broken.err)"
@@ -95,12 +96,12 @@ echo nonsense >state/fovead/recentre
 "$fovead" $small --gaze replay:blinks.gaze --until 0.2s >/dev/null 2>broken.err
 [ ! -s broken.err ] || fail "$(cat broken.err)"
 
-# What is plugged in here is not known, but it is listed, for people and for scripts.
+# The test does not know what is plugged in here, but the list must work, for people and for scripts.
 "$fovead" --list-trackers >list.txt
 grep -q -e 'no eye tracker' -e '--gaze' list.txt || fail "$(cat list.txt)"
 "$fovead" --list-trackers --json | grep -q '"trackers": \[' || fail "no list in JSON"
 
-# one line and status 2.
+# wrong WORD OPTION...: refused with one line and status 2.
 wrong() {
     word=$1
     shift

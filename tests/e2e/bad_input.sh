@@ -1,21 +1,21 @@
 #!/bin/sh
-# Bad input of any kind gives one clear line that names the fault, a status that is not 0, and no hang.
+# Bad input of any kind gives one clear line that names the fault and a status that is not 0. It never causes a hang.
 . "$(dirname "$0")/common.sh"
 make_room
 make_log
 
-# bad WORD OPTION...: a small render that would end by itself is refused.
+# bad WORD OPTION...: refused, with options that would otherwise start a small render that ends by itself.
 bad() {
     word=$1
     shift
     refused "$word" "$fovead" --size 128x64 --until 1spp "$@"
 }
 
-# What the rest departs from is good.
+# The good input that the others are made from.
 "$fovead" --size 128x64 --until 1spp --scene room.obj --gaze replay:short.gaze >good.out 2>good.err ||
     fail "the good case: $(cat good.err)"
 
-# --- scenes: a triangle in glTF, and what can be wrong with it
+# --- scenes: a triangle in glTF, with one fault each
 gltf() { # FILE MESH-AND-NODES BUFFER
     cat >"$1" <<END
 {"asset": {"version": "2.0"}, $2
@@ -70,7 +70,7 @@ bad noise.exr --scene room.obj --env noise.exr
 gltf textured.gltf "$node $mesh" good.bin
 sed -i 's/"emissiveFactor"/"emissiveTexture": {"index": 0}, &/; s/"materials"/"images": [{"uri": "words.png"}], "textures": [{"source": 0}], &/' textured.gltf
 echo "not an image" >words.png
-# A scene goes on without an image that cannot be read, with one line that names it.
+# A scene is rendered without an image that cannot be read, and one line names the image.
 without() {
     "$fovead" --size 128x64 --until 4spp --camera 0,0,0 --scene "$1" >without.out 2>without.err ||
         fail "$1: $(cat without.err)"
@@ -78,7 +78,7 @@ without() {
 }
 without textured.gltf
 sed 's/"emissiveTexture": {"index": 0}, //; s/"materials": \[{/&"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}, /' textured.gltf >late.gltf
-without late.gltf # read while painting has begun
+without late.gltf # this image is read after rendering has begun
 
 # --- gaze logs
 log_refused() { bad "$1" --scene room.obj --gaze "replay:$1"; }
@@ -115,7 +115,7 @@ bad "$(printf '%0100d' 0)" --scene room.obj --listen "unix:/$(printf '%0200d' 0)
 address=tcp:127.0.0.1:$("$programs/e2e_port")
 start --scene room.obj --size 128x64 --gaze synthetic --listen "$address"
 bad "${address#tcp:}" --scene room.obj --listen "$address"
-grep -q "in use" refused.err || fail "no word of the port being in use: $(cat refused.err)"
+grep -q "in use" refused.err || fail "the line does not say that the port is in use: $(cat refused.err)"
 stop
 
 # --- the client

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""A client made from fovea.proto alone: client.py SOCKET FOLDER_OF_FOVEA_PB2. Receives tiles until it has the whole coarsest
-level and a hundred tiles, and checks what each of them promises."""
+"""A client made from fovea.proto alone: client.py SOCKET FOLDER_OF_FOVEA_PB2. It receives tiles until it has the whole
+coarsest level and at least a hundred tiles, and checks each of them."""
 import socket
 import struct
 import sys

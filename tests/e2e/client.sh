@@ -1,8 +1,8 @@
 #!/bin/sh
-# Any language will do: a client in Python that was made from fovea.proto alone gets tiles, and checks them.
+# A client in any language: one in Python, made from fovea.proto alone, receives tiles and checks them.
 . "$(dirname "$0")/common.sh"
 make_room
-python=/usr/bin/python3 # Debian's own, which finds Debian's packages
+python=/usr/bin/python3 # Debian's Python, which finds Debian's packages
 if ! command -v protoc >/dev/null || ! "$python" -c 'import google.protobuf, zstandard' 2>/dev/null; then
     echo "skipped: apt-get install protobuf-compiler python3-protobuf python3-zstandard"
     exit 77

@@ -1,5 +1,6 @@
-# For the end-to-end tests: sh TEST.sh PROGRAMS SOURCE, where PROGRAMS is the build directory. Each runs in a directory
-# of its own, which is removed; the real programs are run, and every failure says what was expected.
+# Shared by the end-to-end tests, which run as sh TEST.sh PROGRAMS SOURCE, where PROGRAMS is the build directory. Each
+# test runs the real programs in a directory of its own, which is removed afterwards. Every failure says what was
+# expected.
 set -eu
 . "$(dirname "$0")/../room.sh"
 programs=$1
@@ -27,12 +28,12 @@ fail() {
     exit 1
 }
 
-# The first second of the recording.
+# Write the first second of the shipped recording to short.gaze.
 make_log() {
     head -n 122 "$source/fixtures/hall.gaze" >short.gaze
 }
 
-# start OPTION...: a daemon, ready; its lines are in daemon.out and daemon.err.
+# start OPTION...: start a daemon and wait until it is ready. Its output is in daemon.out and daemon.err.
 start() {
     rm -f daemon.out daemon.err
     "$fovead" "$@" >daemon.out 2>daemon.err &
@@ -44,14 +45,14 @@ is_ready() {
     grep -qs '^fovead: ready$' daemon.out daemon.err
 }
 
-# stop [SIGNAL]: the daemon must end in order.
+# stop [SIGNAL]: end the daemon, which must exit with 0.
 stop() {
     kill "-${1:-TERM}" "$daemon"
     wait "$daemon" || fail "the daemon ended with status $?"
     daemon=
 }
 
-# refused WORD COMMAND...: must fail by itself with one line on stderr that holds WORD.
+# refused WORD COMMAND...: the command must fail with status 1 or 2, and with one line on stderr that contains WORD.
 refused() {
     word=$1
     shift
@@ -66,7 +67,8 @@ refused() {
     grep -qF -e "$word" refused.err || fail "'$word' is not in the line of $*: $(cat refused.err)"
 }
 
-# near LIMIT REFERENCE TEST [OPTION...]: to an eye, two pictures are no more different than that, by the mean of FLIP.
+# near LIMIT REFERENCE TEST [OPTION...]: the mean of FLIP, the difference that an eye sees between two pictures, must be
+# at most LIMIT.
 near() {
     limit=$1
     shift
@@ -76,7 +78,7 @@ near() {
     awk "BEGIN {exit !($mean <= $limit)}" || fail "FLIP of $* is $mean, where at most $limit was expected"
 }
 
-# watched FILE CONDITION...: does it hold for what foveactl watch writes to FILE in half a second? For await.
+# watched FILE CONDITION...: write half a second of foveactl watch to FILE, then test the condition. For await.
 watched() {
     watched_file=$1
     shift
@@ -84,13 +86,14 @@ watched() {
     "$foveactl" watch --for 0.5 --json >"$watched_file" && "$@"
 }
 
-# told FILE KEY LEAST: is that number of foveactl stats, kept in FILE, so large? For await.
+# told FILE KEY LEAST: write foveactl stats to FILE, then test whether the number of this key is at least LEAST. For
+# await.
 told() {
     kill -0 "$daemon" || fail 'the daemon has gone'
     "$foveactl" stats --json >"$1" && [ "$(number "$2" "$1")" -ge "$3" ]
 }
 
-# number KEY FILE: the whole number of that key in a JSON file.
+# number KEY FILE: print the whole number of this key in a JSON file.
 number() {
     found=$(sed -n "s/.*\"$1\": \([0-9]*\).*/\1/p" "$2")
     [ -n "$found" ] || fail "no $1 in $2: $(cat "$2")"

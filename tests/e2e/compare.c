@@ -1,4 +1,4 @@
-/* How much two images differ in what they show, whatever their noise: prints the root mean square difference
+/* Print how much two images differ in what they show, whatever their noise: the root mean square difference
  * of the means of their parts, over the mean of both, in thousandths. */
 #include <math.h>
 #include <stdio.h>

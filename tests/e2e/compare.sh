@@ -1,5 +1,5 @@
 #!/bin/sh
-# foveactl compare: its output for people and scripts, and what it refuses. FLIP's values have their own test
+# foveactl compare: its output for people and for scripts, and what it refuses. FLIP's values have a test of their own
 # (renderer_metric).
 . "$(dirname "$0")/common.sh"
 make_room
@@ -11,12 +11,12 @@ near 0 good.exr good.exr
 near 0.3 good.exr noisy.exr --map map.png
 grep -q '"metric": "HDR-FLIP"' near.json && grep -q '"relative_rmse": [0-9]' near.json &&
     grep -q '"psnr_db": null' near.json || fail "$(cat near.json)"
-! (near 0.05 good.exr noisy.exr) 2>near.err || fail "two paths per pixel are taken for 16"
+! (near 0.05 good.exr noisy.exr) 2>near.err || fail "a picture of 2 paths per pixel passes for one of 16"
 grep -q 'FLIP of good.exr noisy.exr is 0\.[0-9]*, where at most 0.05' near.err || fail "$(cat near.err)"
 near 0.4 good.exr noisy.exr --ldr --ppd 20
 grep -q '"metric": "LDR-FLIP"' near.json && grep -q '"psnr_db": [0-9]' near.json || fail "$(cat near.json)"
 
-# The map shows it: another picture than a black one of the same size, and made for a display.
+# The map shows the difference: it differs from the black map of equal pictures, and holds values for a display.
 "$foveactl" compare good.exr good.exr --map black.png >same.txt
 grep -q '^HDR-FLIP   0.000000 ' same.txt && grep -q '^largest    0.000000' same.txt || fail "$(cat same.txt)"
 "$foveactl" compare black.png map.png >maps.txt
@@ -24,12 +24,12 @@ grep -q '^LDR-FLIP   0\.[1-9]' maps.txt && grep -q '^PSNR ' maps.txt || fail "$(
 "$foveactl" compare good.exr map.png >mixed.txt
 grep -q 'values for a display' mixed.txt && grep -q '^LDR-FLIP ' mixed.txt || fail "$(cat mixed.txt)"
 
-# bad WORD ARGUMENT...: refused, and nothing is said of the pictures.
+# bad WORD ARGUMENT...: refused, without a word on the pictures.
 bad() {
     word=$1
     shift
     refused "$word" "$foveactl" compare "$@"
-    [ ! -s refused.out ] || fail "said: $(cat refused.out)"
+    [ ! -s refused.out ] || fail "it printed: $(cat refused.out)"
 }
 bad missing.exr missing.exr good.exr
 bad missing.exr good.exr missing.exr

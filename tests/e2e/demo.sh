@@ -1,5 +1,6 @@
 #!/bin/sh
-# The first of the two commands, in a tree of its own: the pictures that it promises are there, and show something.
+# The first of the README's two commands, in a copy of the tree: the pictures that it promises are there and show
+# something.
 set -eu
 programs=$1 tree=$2
 copy=$(mktemp -d)

@@ -1,11 +1,10 @@
-/* A daemon that breaks off, in one way: false_daemon PATH KIND. It listens on a Unix socket, welcomes one client
- * and then is
- *   gone      no more, as one that was killed
- *   torn      the same, in the middle of a message
- *   nonsense  saying what is no message
- *   silent    silent
- *   partial   sending one and the same tile of the finest level for ever, so that the picture is never whole
- */
+/* A daemon that misbehaves in one way: false_daemon PATH KIND. It listens on a Unix socket and welcomes one
+ * client. KIND says what follows:
+ *   gone      it closes the connection, like one that was killed
+ *   torn      it does so in the middle of a message
+ *   nonsense  it sends something that is not a message
+ *   silent    it sends nothing
+ *   partial   it sends the same tile of the finest level for ever, so that the picture is never whole */
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -67,7 +66,7 @@ static bool send_tile(int fd, Fovea__Encoding encoding)
     return good;
 }
 
-/* Until the client has gone. What it says does not matter. */
+/* Wait until the client has gone, whatever it sends. */
 static void wait_for_end(int fd, bool tiles, Fovea__Encoding encoding)
 {
     char bytes[4096];

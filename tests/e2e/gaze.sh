@@ -1,6 +1,6 @@
 #!/bin/sh
-# foveactl gaze info, convert and plot: gaze.sh FOVEACTL SOURCE_DIR. Small logs of the corpus, this project's
-# recording, and what is refused; each refusal is one line on stderr and a status that is not 0.
+# foveactl gaze info, convert and plot: gaze.sh FOVEACTL SOURCE_DIR. Tests small logs of the corpus, the shipped
+# recording, and what is refused. Each refusal is one line on stderr and a status that is not 0.
 set -eu
 ctl=$1
 corpus=$2/tests/fuzz/corpus/log
@@ -9,16 +9,17 @@ dir=$(mktemp -d)
 trap 'rm -rf "$dir"' EXIT
 
 fail() { printf 'gaze.sh: %s\n' "$*" >&2; exit 1; }
-has() { grep -q -e "$1" "$dir/out" || { cat "$dir/out" >&2; fail "no '$1' in it"; }; }
+has() { grep -q -e "$1" "$dir/out" || { cat "$dir/out" >&2; fail "the output does not contain '$1'"; }; }
 refused() {
     want=$1
     shift
-    if "$ctl" gaze "$@" >"$dir/out" 2>"$dir/err"; then fail "took: $*"; fi
+    if "$ctl" gaze "$@" >"$dir/out" 2>"$dir/err"; then fail "accepted: $*"; fi
     [ "$(wc -l <"$dir/err")" = 1 ] || { cat "$dir/err" >&2; fail "not one line: $*"; }
     grep -q -e "$want" "$dir/err" || { cat "$dir/err" >&2; fail "no '$want': $*"; }
 }
 
-# Every format is read in unit tests; here those with a head, with a screen, in gzip, and with lines of JSON.
+# The unit tests read every format. Here are one with a head pose, one with a screen, and one with lines of JSON in
+# gzip.
 for name in salient360_dynamic.csv eyelink_bino.asc glasses3.gz; do
     log=$corpus/$name
     "$ctl" gaze info "$log" >"$dir/out"
@@ -32,7 +33,7 @@ for name in salient360_dynamic.csv eyelink_bino.asc glasses3.gz; do
     has 'yaw -10.0 to 10.0, pitch -5.0 to 10.0 degrees'
 done
 
-# What was converted from a log is that log.
+# Converting a log of the project's own format gives the same file.
 "$ctl" gaze convert "$hall" "$dir/hall.gaze" >"$dir/out"
 cmp "$hall" "$dir/hall.gaze"
 
@@ -64,8 +65,8 @@ refused 'ends with .svg or .png' plot "$hall" "$dir/x.pdf"
 
 mkdir "$dir/bin"
 ln -s "$(command -v sh)" "$dir/bin/sh"
-if env PATH="$dir/bin" "$ctl" gaze plot "$hall" "$dir/x.svg" 2>"$dir/err"; then fail "drew without gnuplot"; fi
-[ "$(cat "$dir/err")" = "foveactl: gnuplot is missing: apt-get install gnuplot-nox" ] || fail "not one line: no gnuplot"
+if env PATH="$dir/bin" "$ctl" gaze plot "$hall" "$dir/x.svg" 2>"$dir/err"; then fail "it drew without gnuplot"; fi
+[ "$(cat "$dir/err")" = "foveactl: gnuplot is missing: apt-get install gnuplot-nox" ] || fail "not one line on the missing gnuplot"
 if ! command -v gnuplot >/dev/null; then
     echo "gaze.sh: no gnuplot here, plots are not tested"
     exit 0

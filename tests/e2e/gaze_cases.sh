@@ -1,5 +1,6 @@
 #!/bin/sh
-# The table of tests/cases/gaze: gaze_cases.sh FOVEACTL SOURCE_DIR. Prints every row whose outcome differs.
+# Run the table of tests/cases/gaze: gaze_cases.sh FOVEACTL SOURCE_DIR. Prints every row with another result than
+# expected.
 set -eu
 ctl=$1
 cd "$2/tests/cases/gaze"
@@ -21,7 +22,7 @@ while read -r verb rest; do
         name=$rest
         count=$((count + 1))
         status=0
-        # The words of a row hold no blanks.
+        # A row's arguments contain no blanks.
         "$ctl" gaze $rest >"$dir/out" 2>"$dir/err" </dev/null || status=$?
         ;;
     six)
@@ -45,7 +46,7 @@ while read -r verb rest; do
     esac
 done <cases.txt
 
-# --- what needs more than one command -------------------------------------------------------------------------
+# --- cases that need more than one command --------------------------------------------------------------------
 
 name='output over input'
 cases=$PWD
@@ -54,7 +55,7 @@ run() {
     status=0
     "$ctl" gaze "$@" >"$dir/out" 2>"$dir/err" || status=$?
 }
-# refused RE COMMAND...: exit not 0, one line that matches.
+# refused RE COMMAND...: the command must fail with one line that matches RE.
 refused() {
     want=$1
     shift
@@ -81,14 +82,14 @@ refused 'is the log itself' convert a.gaze ./a.gaze
 refused 'is the log itself' convert "$dir/t/a.gaze" a.gaze
 cd "$cases"
 same own_comment.gaze "$dir/t/a.gaze"
-[ -L "$dir/t/l.gaze" ] || wrong "l.gaze is no symbolic link any more"
+[ -L "$dir/t/l.gaze" ] || wrong "l.gaze is no longer a symbolic link"
 
 fresh
 cp bids_pixels_physio.* "$dir/t"
 refused 'is the log itself' convert --replace "$dir/t/bids_pixels_physio.tsv.gz" "$dir/t/bids_pixels_physio.tsv.gz"
 same bids_pixels_physio.tsv.gz "$dir/t/bids_pixels_physio.tsv.gz"
 same bids_pixels_physio.json "$dir/t/bids_pixels_physio.json"
-# The sidecar is an input too, and so are those above.
+# The sidecar is an input too, and so are sidecars in folders above.
 cp bids_pixels_physio.tsv.gz "$dir/t/x_physio.tsv.gz"
 cp bids_pixels_physio.json "$dir/t/x_physio.json"
 ln -s x_physio.json "$dir/t/y_physio.json"
@@ -112,11 +113,11 @@ run info "$dir/t/old.gaze"
 has 'samples +6 in 0.025 s'
 echo keep >"$dir/t/z_physio.json"
 refused 'z_physio.json: exists.*--replace' convert neon_good.csv "$dir/t/z_physio.tsv.gz"
-[ ! -e "$dir/t/z_physio.tsv.gz" ] || wrong "wrote half"
+[ ! -e "$dir/t/z_physio.tsv.gz" ] || wrong "the table was written without its sidecar"
 run convert --replace neon_good.csv "$dir/t/z_physio.tsv.gz"
 has '6 samples'
 
-# exported FILE EYE RATE: what the sidecar of its conversion to BIDS says.
+# exported FILE EYE RATE: convert FILE to BIDS and check what the sidecar says.
 exported() {
     name="export of $1"
     fresh
@@ -146,7 +147,7 @@ for stdin in - /dev/stdin; do
     if [ "$status" = 0 ] || ! grep -q 'pipe (write it to a file first' "$dir/err"; then wrong "a pipe as $stdin"; fi
 done
 
-# What goes to gnuplot: within a pause no line goes on.
+# The data for gnuplot: a line must not continue across a pause.
 name='plot across pauses'
 fresh
 mkdir "$dir/bin"
@@ -157,7 +158,7 @@ PATH=$dir/bin:$PATH "$ctl" gaze plot eyelink_left_blocks.asc "$dir/t/p.svg" >"$d
 awk '/^\$path/ { on = 1; next } /^EOD/ { on = 0 } !on { next }
     NF == 0 { apart = 1; next }
     { if (rows++ && !apart && $1 - last > 0.1) bad++; if ($1 - last > 0.1) gaps++; last = $1; apart = 0 }
-    END { exit !(rows == 30 && gaps == 2 && bad == 0) }' "$dir/plot" || wrong "lines go on over pauses"
+    END { exit !(rows == 30 && gaps == 2 && bad == 0) }' "$dir/plot" || wrong "lines continue across pauses"
 
 printf '%d cases, %d wrong\n' "$count" "$bad"
 [ "$count" -gt 70 ] && [ "$bad" = 0 ]

@@ -1,6 +1,6 @@
-/* golden FILE.exr PICTURE.png: makes a golden image of a panorama that fovead saved: the part ahead of the
- * camera, 90 degrees left and right, 45 up and down. x / (1 + x) brings all light below 1, so that emitters
- * of different brightness differ in 8 bits, and one rare bright path makes no white spot. */
+/* golden FILE.exr PICTURE.png: make a golden image of a panorama that fovead saved, from the part ahead of
+ * the camera: 90 degrees left and right, 45 up and down. x / (1 + x) brings all radiance below 1, so that
+ * emitters of different brightness differ in 8 bits, and a rare bright path does not make a white spot. */
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -1,10 +1,10 @@
 #!/bin/sh
-# Every scene of glTF's features and every Cornell box looks as it did when it was checked against the specification: a
-# picture with a few paths per pixel is near the golden image, which had many more. The scenes are data that the project
-# does not own, so this is skipped where they are absent.
+# Every scene of glTF's features and every Cornell box still looks as it did when it was checked against the
+# specification: a picture with a few paths per pixel is close to the golden image, which had many more. The project
+# does not own the scenes, so the test is skipped where they are absent.
 #
 #   golden.sh PROGRAMS SOURCE               compare all
-#   golden.sh PROGRAMS SOURCE make [NAME]   write tests/golden anew, or the one: look at them before they are kept
+#   golden.sh PROGRAMS SOURCE make [NAME]   write all of tests/golden, or one; look at the images before you keep them
 . "$(dirname "$0")/common.sh"
 mode=${3-compare}
 only=${4-}
@@ -13,8 +13,8 @@ scenes=$data/scenes
 golden=$source/tests/golden
 [ -d "$scenes/gltf-tests" ] && [ -d "$scenes/cornell-box" ] || { echo "skipped: $scenes is not here"; exit 77; }
 
-# Scene, where the camera is (-Z is ahead), and the largest mean of FLIP: half as much again as noise alone made it, with
-# another seed than the golden image's.
+# Scene, position of the camera (-Z is ahead), and the largest mean of FLIP, which is 1.5 times what noise alone causes
+# with another seed than the golden image's.
 cases() {
     cat <<'END'
 gltf-tests/Box.glb                           0.9,0.7,1.2      0.024
@@ -60,14 +60,14 @@ END
 case $mode in
 make) paths=512 seed=1 ;;
 compare) paths=64 seed=2 ;;
-*) fail "neither make nor compare: $mode" ;;
+*) fail "expected make or compare, not $mode" ;;
 esac
 
-# take SCENE CAMERA: picture.png.
+# take SCENE CAMERA: render the scene to picture.png.
 take() {
     file=$scenes/$1
     [ ! -d "$file" ] || file=$file/${1##*/}.gltf
-    # The light of the two glossy boxes is a material that their library does not hold.
+    # The emitter of the two glossy boxes is a material that is missing in their library, so they need an environment.
     case $1 in
     gltf-tests/* | *-Glossy*) set -- "$@" --env "$data/envmaps/st_fagans_interior_1k.hdr" ;;
     esac
@@ -79,12 +79,12 @@ take() {
     "$programs/e2e_golden" saved.exr picture.png
 }
 
-# What this scene holds is nothing to look at.
+# This scene contains nothing that could be rendered.
 refused "expected nodes" "$fovead" --scene "$scenes/gltf-tests/00_no_nodes/00_no_nodes.gltf" --until 1spp
 
 cases >cases
 for file in "$scenes"/gltf-tests/*_* "$scenes"/gltf-tests/*.glb "$scenes"/cornell-box/*.obj; do
-    [ "${file##*/}" = 00_no_nodes ] || grep -qF "${file#"$scenes"/} " cases || fail "no case looks at $file"
+    [ "${file##*/}" = 00_no_nodes ] || grep -qF "${file#"$scenes"/} " cases || fail "no case renders $file"
 done
 worst=0
 found=
@@ -103,4 +103,4 @@ while read -r scene camera limit; do
     echo "$name $(sed -n 's/^ *"mean": \(.*\),$/\1/p' near.json), at most $limit"
 done <cases
 [ "$found" ] || fail "no case is named $only"
-[ "$worst" = 0 ] || fail "not all look as their golden images do"
+[ "$worst" = 0 ] || fail "some pictures differ from their golden images"

@@ -1,26 +1,27 @@
 #!/bin/sh
-# Programs that need no pictures load no library for pictures; those that do also work once they are installed.
+# Programs that read no pictures load no library for pictures. The programs that read them also work once they are
+# installed.
 . "$(dirname "$0")/common.sh"
 
-# loads PROGRAM NUMBER WORD...: it has fewer libraries than that, and none of those. Nothing is loaded later by name: what a
-# program is linked with is what it has whatever it does.
+# loads PROGRAM NUMBER WORD...: the program must load fewer libraries than NUMBER, and none with one of the words in its
+# name. Programs load no library by name later, so the list is complete.
 loads() {
     program=$1
     most=$2
     shift 2
     LD_TRACE_LOADED_OBJECTS=1 "$programs/$program" >libraries
     for word in "$@"; do
-        if grep "$word" libraries; then fail "$program loads what it has no use for"; fi
+        if grep "$word" libraries; then fail "$program loads a library that it does not need"; fi
     done
     [ "$(wc -l <libraries)" -lt "$most" ] || fail "$program loads $(wc -l <libraries) libraries: $(cat libraries)"
 }
 loads foveactl 30 OpenImageIO OpenEXR assimp embree
 loads fovead 40 OpenImageIO OpenEXR assimp
 for program in foveactl-image fovead-image; do
-    LD_TRACE_LOADED_OBJECTS=1 "$programs/$program" | grep -q OpenImageIO || fail 'OpenImageIO is not to be seen this way'
+    LD_TRACE_LOADED_OBJECTS=1 "$programs/$program" | grep -q OpenImageIO || fail 'this way of listing libraries does not show OpenImageIO'
 done
 
-# The program that has them is found beside foveactl, by whatever way that is called.
+# foveactl finds the program that reads pictures beside itself, however foveactl is called.
 cmake --install "$programs" --prefix "$place/own" >/dev/null
 ln -s own/bin/foveactl link
 for ctl in own/bin/foveactl ./link; do
@@ -29,7 +30,7 @@ for ctl in own/bin/foveactl ./link; do
     "$ctl" gaze info "$source/fixtures/hall.gaze" >/dev/null
 done
 
-# fovead has its pictures written by the program beside it, and says so at once if that is missing.
+# fovead lets the program beside it write pictures, and says so at once if that is missing.
 make_room
 own/bin/fovead --scene room.obj --size 128x64 --until 1spp --save own.exr >/dev/null
 "$programs/e2e_mean" own.exr >/dev/null || fail 'no picture'

@@ -1,5 +1,6 @@
-/* Prints the mean of an image's three channels over a part of it: mean FILE [LEFT TOP RIGHT BOTTOM], in
- * shares of its width and height, all of it if none is given. Pixels that are not finite are an error. */
+/* mean FILE [LEFT TOP RIGHT BOTTOM]: print the mean of an image's three channels over a part of it, whose
+ * borders are shares of its width and height; over all of it if none are given. Pixels that are not finite
+ * are an error. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

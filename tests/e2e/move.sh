@@ -1,6 +1,6 @@
 #!/bin/sh
-# The camera moves, and the scene is edited, while clients watch: each begins a new generation of the picture, in which
-# nothing of the old one is left.
+# The camera moves and the scene is edited while clients watch. Each change begins a new generation of the picture, in
+# which nothing of the old one is left.
 . "$(dirname "$0")/common.sh"
 make_room
 mkdir pictures
@@ -8,25 +8,25 @@ cp "$source/fixtures/textures/rug.jpg" pictures/rug.jpg
 cp "$source/fixtures/sky.hdr" sky.hdr
 mode="--size 256x128 --mode od --gaze pointer"
 
-# generation: of the picture that the daemon has.
+# generation: print the generation of the daemon's picture.
 generation() {
     "$foveactl" stats --json >stats.json
     number generation stats.json
 }
 
-# await_generation NUMBER: it comes, and no later one.
+# await_generation NUMBER: wait for this generation; no later one may come.
 await_generation() {
     await "generation $1" told stats.json generation "$1"
-    [ "$(number generation stats.json)" = "$1" ] || fail "generation $(number generation stats.json), where $1 was to come"
+    [ "$(number generation stats.json)" = "$1" ] || fail "generation $(number generation stats.json), where $1 was expected"
 }
 
-# developed FILE: save the picture once it has 7 paths per pixel: next to no pixel is black then for want of a path.
+# developed FILE: save the picture once it has 7 paths per pixel, when hardly a pixel is black for lack of a path.
 developed() {
-    await 'paths enough' told stats.json paths 250000
+    await 'enough paths' told stats.json paths 250000
     "$foveactl" save "$1" >/dev/null
 }
 
-# alike A B, different A B
+# alike A B, different A B: two pictures show the same, or not.
 alike() {
     by=$("$programs/e2e_compare" "$1" "$2")
     [ "$by" -lt 60 ] || fail "$1 and $2 differ by $by thousandths"
@@ -54,8 +54,8 @@ grep -q '^generation 3, camera 0,0,0 m; first tile after [0-9.]* ms$' move.txt |
 developed back.exr
 alike middle.exr back.exr
 
-# A picture that is being gathered when the camera moves is of the new place alone, and whole. Where the machine is so slow
-# that all was gathered before the camera had moved, it is tried again with more time.
+# If the camera moves while a snapshot is gathered, the snapshot is whole and shows only the new place. On a machine so
+# slow that the snapshot was complete before the camera moved, try again with more time.
 settle=2
 gathers_while_it_moves() {
     settle=$((settle * 2))
@@ -73,7 +73,7 @@ await 'a picture that is gathered while the camera moves' gathers_while_it_moves
 "$programs/e2e_picture" during.exr 256 128 >/dev/null
 different middle.exr during.exr
 
-# Moves that come too fast are not queued, and whoever watches is told.
+# Moves that come faster than they can be rendered are not queued. The stream tells the newest generation.
 before=$(generation)
 "$programs/e2e_moves" "unix:$place/fovead.sock"
 tells_moves() { [ "$(number generation watch.json)" -gt "$before" ]; }
@@ -87,7 +87,7 @@ refused origin "$foveactl" move --by 9999999,0,0
 stop
 [ "$(wc -l <daemon.err)" = 0 ] || fail "the daemon complains: $(cat daemon.err)"
 
-# A daemon that was started there has the same picture.
+# A daemon that starts at that place renders the same picture.
 start --scene room.obj $mode --camera 1.2,0.5,1
 developed fresh.exr
 alike fresh.exr moved.exr
@@ -104,8 +104,8 @@ developed green.exr
 different white.exr green.exr
 "$foveactl" stats | grep -q '^camera *0.5,0,0.5 m' || fail "an edit moves the camera: $("$foveactl" stats)"
 
-# Written in place, where half of it may be read first; and with a picture that only the .mtl names, as Windows would, in a
-# folder of its own.
+# The file is written in place, so a half-written one may be read first. The .mtl names a picture in a folder of its
+# own, in the way of Windows.
 has_texture() { "$foveactl" stats | grep -q '1 textures'; }
 sed 's/^Kd 0.6 0.6 0.6/&\nmap_Kd Pictures\\RUG.JPG/' room.mtl >with.mtl
 cat with.mtl >room.mtl
@@ -119,18 +119,18 @@ cp "$source/fixtures/sky.hdr" new.hdr
 mv new.hdr sky.hdr
 await_generation $((now += 1))
 
-# What the scene does not name does not count.
+# A change of a file that the scene does not name has no effect.
 echo other >other.mtl
 echo other >pictures/other.jpg
 "$foveactl" save beside.exr >/dev/null
 sleep 1
 await_generation $now
 
-# A broken edit: one line, and the picture stays; a good one after it counts again.
+# A broken edit gives one line, and the picture stays. A good edit after it is taken.
 cp room.obj kept.obj
 head -c 40 kept.obj >broken.obj
 mv broken.obj room.obj
-await 'a word on the broken edit' [ -s daemon.err ]
+await 'a line on the broken edit' [ -s daemon.err ]
 [ "$(wc -l <daemon.err)" = 1 ] || fail "not one line: $(cat daemon.err)"
 grep -q '^fovead: the edit is not taken, the picture stays: room.obj: ' daemon.err || fail "$(cat daemon.err)"
 await_generation $now
@@ -139,13 +139,12 @@ await_generation $now
 "$programs/e2e_picture" kept.png 256 128 >/dev/null
 mv kept.obj room.obj
 await_generation $((now += 1))
-if "$foveactl" stats | grep -q 'not taken'; then fail "the old complaint stays"; fi
-[ "$(wc -l <daemon.err)" = 1 ] || fail "files beside a broken scene are complained about: $(cat daemon.err)"
+if "$foveactl" stats | grep -q 'not taken'; then fail "the old complaint is still there"; fi
+[ "$(wc -l <daemon.err)" = 1 ] || fail "changes beside a broken scene are reported: $(cat daemon.err)"
 stop
-[ "$(grep -c '^scene ' daemon.out)" = $((now - 1)) ] || fail "not a line for every scene: $(cat daemon.out)"
+[ "$(grep -c '^scene ' daemon.out)" = $((now - 1)) ] || fail "not one line per scene: $(cat daemon.out)"
 
-# An edit that names a file which comes later is taken when that is there.
-# Its triangle: 0,0,0  1,0,0  0,1,0.
+# An edit that names a missing file is taken when that file appears. Its triangle has the corners 0,0,0  1,0,0  0,1,0.
 {
     head -c 12 /dev/zero
     printf '\000\000\200\077'
@@ -162,13 +161,13 @@ END
 start --scene corner.gltf $mode --watch
 sed 's/corner.bin/later%20on.bin/' corner.gltf >new.gltf
 mv new.gltf corner.gltf
-await 'a word on the missing file' grep -q 'later on.bin' daemon.err
+await 'a line on the missing file' grep -q 'later on.bin' daemon.err
 await_generation 1
 cp corner.bin 'later on.bin'
 await_generation 2
 stop
 
-# An edit under way when the daemon ends is no trouble.
+# A daemon may end while it takes up an edit.
 start --scene room.obj $mode --watch
 touch room.obj
 sleep 0.15

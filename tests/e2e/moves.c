@@ -1,5 +1,5 @@
-/* A client that moves the camera faster than the daemon follows: every move is answered, generations only go
- * up, the newest move wins, and its generation is rendered in the end. */
+/* A client that moves the camera faster than the daemon can follow: every move is answered, generations only
+ * go up, the newest move wins, and in the end its generation is rendered. */
 #include <math.h>
 #include <stdio.h>
 
@@ -45,7 +45,7 @@ int main(int argc, char **argv)
     message.move = &move;
     move.n_camera = 3;
     move.camera = camera;
-    /* To a place, and from there on in steps to the right. */
+    /* First to a place, then in steps to the right. */
     for (int i = 0; i < MOVES && good; i++) {
         move.request = (uint32_t)i + 1;
         good = pro_send(client, &message, error);

@@ -1,5 +1,5 @@
-/* A small service manager: runs a program with NOTIFY_SOCKET, waits for READY=1, ends it with SIGTERM, and
- * waits for STOPPING=1 and status 0. */
+/* A small service manager: it runs a program with NOTIFY_SOCKET, waits for READY=1, ends the program with
+ * SIGTERM, and waits for STOPPING=1 and status 0. */
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,9 +1,9 @@
 #!/bin/sh
-# Command lines: --help of both programs, which commands take which options, and exit codes: 2 for a command line that is
-# refused, 1 for what fails afterwards.
+# Command lines: --help of both programs, which commands take which options, and exit codes: 2 for a command line that
+# is refused, 1 for a failure after that.
 . "$(dirname "$0")/common.sh"
 
-# expect STATUS COMMAND...
+# expect STATUS COMMAND...: the command must exit with STATUS. Its output is in out and err.
 expect() {
     wanted=$1
     shift
@@ -16,7 +16,7 @@ for program in "$fovead" "$foveactl"; do
     expect 0 "$program" --help
     cp out help
     [ ! -s err ] || fail "--help on stderr: $(cat err)"
-    awk 'length > 120 {bad = 1; print} / $/ {bad = 1; print "a blank at the end:", $0} END {exit bad}' help || fail "--help of $program is not in form"
+    awk 'length > 120 {bad = 1; print} / $/ {bad = 1; print "a blank at the end:", $0} END {exit bad}' help || fail "--help of $program has lines that are too long or end with a blank"
     expect 0 "$program" --version
     [ "$(cat out)" = "$(basename "$program") $(sed -n 's/^project(.*VERSION \([0-9.]*\).*/\1/p' "$source/CMakeLists.txt")" ] || fail "--version: $(cat out)"
     [ "$(grep -c '^  --' help)" -gt 20 ] || fail "--help of $program names few options: $(cat help)"
@@ -25,7 +25,7 @@ for program in "$fovead" "$foveactl"; do
     expect 2 "$program" --=x
 done
 
-# Whatever stands in the README after a program's name is in its --help, commands of two words included.
+# Every option that the README uses with one of the programs is in that program's --help.
 "$foveactl" --help >help
 "$fovead" --help >>help
 sed -n '/^```sh$/,/^```$/p' "$source/README.md" | sed 's/\\$//; s/#.*//' | grep -o 'fovea\(d\|ctl\) .*' |
@@ -33,10 +33,10 @@ sed -n '/^```sh$/,/^```$/p' "$source/README.md" | sed 's/\\$//; s/#.*//' | grep 
 [ "$(wc -l <used)" -gt 10 ] || fail "the README uses few options: $(cat used)"
 while read -r option; do grep -q -e "$option\b" help || fail "--help does not have the README's $option"; done <used
 
-# An option that no command takes has no name before its help.
+# Every option's help begins with the commands that take it: a line without any is an option for no command.
 ! "$foveactl" --help | grep '^  --[^ ]* .* : ' || fail 'an option that no command takes'
 
-# Each command with all that it takes: it gets as far as to look for the daemon, or for the file.
+# Each command with all options that it takes: it must get as far as looking for the daemon or the file.
 takes() { expect 1 "$foveactl" "$@"; }
 nowhere() {
     expect 1 "$foveactl" "$@" --connect "unix:$place/nowhere"
@@ -65,7 +65,7 @@ takes gaze convert nowhere.gaze a.gaze $log --replace
 # shellcheck disable=SC2086
 takes gaze plot nowhere.gaze a.svg $log
 
-# What does not go with a command, or with another option.
+# Options that do not go with a command or with another option.
 ctl_refused() {
     words=$1
     shift

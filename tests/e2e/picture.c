@@ -1,6 +1,6 @@
-/* Checks an image: that it has that size, is finite, and has light in every part. Prints its mean in
- * thousandths. With the film that the daemon saved it also checks that no pixel is black in a tile with more
- * paths than the outline's. */
+/* picture FILE WIDTH HEIGHT [FILM.exr]: check that an image has this size, is finite, and has light in every
+ * part. Prints its mean in thousandths. If the film that the daemon saved is given, at most one pixel in
+ * 100,000 may be black in tiles with more paths than the outline gives them. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,7 +9,7 @@
 
 enum { PARTS = 8, OUTLINE_PATHS = 16 };
 
-/* Black or not finite pixels of the tiles that were visited. */
+/* Count the pixels that are black or not finite in tiles with more paths than the outline's. */
 static long dark_pixels(const float *rgb, const float *samples, int width, int height, long *out_tiles)
 {
     long dark = 0;
@@ -58,7 +58,7 @@ int main(int argc, char **argv)
         dark = dark_pixels(rgb, samples, width, height, &tiles);
         printf("%ld visited tiles, %ld black or not finite pixels in them\n", tiles, dark);
         free(samples);
-        /* Doors that stay black after many paths are black: one pixel in 100,000 may be. */
+        /* A few pixels are really black. */
         if (tiles == 0 || dark * 100000 > tiles * RND_TILE * RND_TILE) return 1;
     }
     free(rgb);

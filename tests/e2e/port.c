@@ -1,4 +1,4 @@
-/* Prints a TCP port of loopback on which nobody listens now. */
+/* Print a TCP port of loopback on which nobody is listening. */
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <stdio.h>

@@ -1,7 +1,6 @@
 #!/bin/sh
-# Runs every command of the README, as a new user would: in a clone of the tree, with a home of its own. The two
-# commands of the whole project are not run again within themselves: the demonstration is a test of its own, and the
-# suite is what runs this.
+# Run every command of the README as a new user would, in a copy of the tree and with a new home. The two commands of
+# the whole project are left out: the demonstration has a test of its own, and the test suite runs this test.
 set -eu
 programs=$1 tree=$2
 home=$(mktemp -d)
@@ -14,7 +13,7 @@ cd "$home/tree"
 export HOME="$home" XDG_RUNTIME_DIR="$home/run"
 unset FOVEAD_TOKEN
 
-# What stands between ```sh and ```, block after block, stopping where a command fails.
+# The README's commands: everything between ```sh and ```. The first one that fails ends the test.
 {
     echo 'set -eux'
     sed -n '/^```sh$/,/^```$/{/^```/d;p}' "$tree/README.md" | grep -v -e '^sh daemon/demo.sh' -e '^sh tests/'

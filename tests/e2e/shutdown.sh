@@ -1,14 +1,14 @@
 #!/bin/sh
-# Sockets at the end of a daemon: their owner, what is left of them, and who may connect.
+# Sockets when a daemon ends: who owns them, what is left of them, and who may connect.
 . "$(dirname "$0")/common.sh"
 make_room
 small="--scene room.obj --size 256x128 --gaze synthetic:2"
 
-# The default socket is this user's alone, whatever the umask, and is gone afterwards.
+# The default socket is only for this user, whatever the umask, and is removed at the end.
 (umask 0; exec "$fovead" $small --json --save end.exr >daemon.json 2>daemon.err) &
 daemon=$!
 "$foveactl" --wait stats >stats.txt
-grep -q '^fovead: ready$' daemon.err || fail "not ready"
+grep -q '^fovead: ready$' daemon.err || fail "the daemon does not say that it is ready"
 [ "$(stat -c %a fovead.sock)" = 600 ] || fail "the socket's mode is $(stat -c %a fovead.sock)"
 refused "in use" "$fovead" $small
 [ -S fovead.sock ] || fail "a second daemon has removed the first one's socket"
@@ -18,7 +18,7 @@ stop TERM
 [ "$(number paths daemon.json)" -gt 0 ] || fail "no paths"
 grep -q '"saved": "end.exr"' daemon.json && [ -s end.exr ] || fail "not saved: $(cat daemon.json)"
 
-# One that was killed leaves a socket, which the next one replaces; SIGINT ends as SIGTERM does.
+# A daemon that was killed leaves its socket behind, and the next daemon replaces it. SIGINT ends a daemon like SIGTERM.
 start $small
 kill -9 "$daemon"
 wait "$daemon" || true
@@ -28,8 +28,8 @@ start $small
 stop INT
 [ ! -e fovead.sock ] && [ ! -e fovead.sock.lock ] || fail "the socket is left behind"
 
-# Whoever ends it, the picture is kept: one who tells all processes of a group, as a terminal and GNU timeout do, or all
-# that the daemon has started, as systemd does. These end with it.
+# The picture is saved however the daemon is ended: by a signal to all processes of its group, as a terminal and GNU
+# timeout send it, or by one to all processes that it has started, as systemd sends it. Those end with the daemon.
 family() {
     echo "$1"
     for child in $(grep -ls "^PPid:[[:space:]]*$1\$" /proc/[0-9]*/status | cut -d / -f 3); do family "$child"; done
@@ -63,13 +63,13 @@ for way in timeout group-INT group-TERM group-HUP all-TERM; do
     done
 done
 
-# What is not a socket is left alone.
+# A file that is not a socket is left alone.
 echo precious >fovead.sock
 refused fovead.sock "$fovead" $small
 [ "$(cat fovead.sock)" = precious ] || fail "a file was removed"
 rm fovead.sock
 
-# A client stays, and a daemon that ends all the same ends cleanly; the client is told.
+# A daemon ends cleanly even if a client stays connected, and tells the client.
 start $small
 "$foveactl" watch --for 3600 >watch.txt &
 watcher=$!
@@ -77,7 +77,7 @@ await 'a client that watches' test -s watch.txt
 stop
 wait "$watcher" || fail "watch ended with status $?"
 
-# Other machines only with a token.
+# Other machines need a token.
 port=$("$programs/e2e_port")
 refused FOVEAD_TOKEN "$fovead" $small --listen "tcp:0.0.0.0:$port"
 FOVEAD_TOKEN=sesame "$fovead" $small --listen "tcp:0.0.0.0:$port" --listen "unix:$place/own" >daemon.out 2>daemon.err &
@@ -85,8 +85,8 @@ daemon=$!
 "$foveactl" --wait --connect "unix:$place/own" stats >/dev/null || fail "a Unix socket needs no token"
 refused token "$foveactl" --connect "tcp:127.0.0.1:$port" stats
 FOVEAD_TOKEN=sesam refused token "$foveactl" --connect "tcp:127.0.0.1:$port" stats
-FOVEAD_TOKEN=sesame "$foveactl" --connect "tcp:127.0.0.1:$port" stats >/dev/null || fail "the token does not open"
+FOVEAD_TOKEN=sesame "$foveactl" --connect "tcp:127.0.0.1:$port" stats >/dev/null || fail "the right token is refused"
 stop
 
-# A service manager is told.
+# A service manager is notified.
 "$programs/e2e_notified" "$place/notify" "$fovead" $small >daemon.out 2>daemon.err || fail "no READY=1: $(cat daemon.err)"

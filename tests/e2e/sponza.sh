@@ -1,7 +1,7 @@
 #!/bin/sh
-# A real scene with a real recording, from start to end: where samples fell, all but one pixel in 100,000 of the
-# client's picture are finite and not black. Both are data that the project does not own, so this is skipped where they
-# are absent.
+# A real scene with a real recording, from start to end. In tiles where samples fell, at most one pixel in 100,000 of
+# the client's picture may be black or not finite. The project does not own this data, so the test is skipped where it
+# is absent.
 . "$(dirname "$0")/common.sh"
 data=$source/../shared/data
 log=$data/gaze/htc-vive-pro-eye/TESTNA01_360VR_Fist3.csv

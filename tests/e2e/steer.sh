@@ -1,12 +1,12 @@
 #!/bin/sh
-# What a client can do over a Unix socket and over TCP: look, freeze, take pictures, have the film saved.
+# What a client can do over a Unix socket and over TCP: look, freeze, take pictures, and have the film saved.
 . "$(dirname "$0")/common.sh"
 make_room
 make_log
 tcp=tcp:localhost:$("$programs/e2e_port")
 start --scene room.obj --size 1024x512 --gaze pointer --listen "unix:$place/fovead.sock" --listen "$tcp"
 
-# No picture is whole without the outline, and none is black.
+# A snapshot waits for the outline, so it is whole and not black.
 "$foveactl" snapshot whole.png
 "$foveactl" snapshot whole.exr --settle 0.2 --connect "$tcp"
 "$foveactl" snapshot ahead.jpg --view -30,10,90 --size 200x100 --json >ahead.json
@@ -14,7 +14,7 @@ grep -q '"view_deg": \[' ahead.json || fail "$(cat ahead.json)"
 "$foveactl" snapshot bright.png --exposure 3 --settle 0.2
 "$foveactl" snapshot grey.png --exposure auto --settle 0.2
 [ "$("$programs/e2e_picture" bright.png 1024 512)" -gt "$("$programs/e2e_picture" whole.png 1024 512)" ] ||
-    fail "three stops make nothing brighter"
+    fail "three stops do not make the picture brighter"
 grey=$("$programs/e2e_picture" grey.png 1024 512)
 [ "$grey" -gt 100 ] && [ "$grey" -lt 400 ] || fail "auto exposure gives a mean of $grey thousandths"
 refused exposure "$foveactl" snapshot grey.png --exposure bright
@@ -23,7 +23,7 @@ refused gaze "$foveactl" snapshot gaze.png --view gaze,60
 "$programs/e2e_picture" whole.exr 1024 512 >/dev/null
 "$programs/e2e_picture" ahead.jpg 200 100 >/dev/null
 
-# The gaze goes where it is sent, and the picture is finest there.
+# The gaze goes where a client sends it, and the picture is finest there.
 "$foveactl" look -90,0
 looks_left() { grep -A 1 '"gaze_deg"' watch.json | grep -q -e '-\(90.0\|89.9\)'; }
 has_tiles() { [ "$(number bytes_received watch.json)" -gt 10000 ]; }
@@ -38,8 +38,8 @@ grep -q -e '-90.0 degrees right' view.txt || fail "$(cat view.txt)"
 "$foveactl" stats --json | grep -q '"frozen": false' || fail "still frozen"
 "$foveactl" stats | grep -q 'mode fv' || fail "no table"
 
-# Only this user's clients have files written; relative names are the client's.
-"$foveactl" save saved.exr | grep -qF "$place/saved.exr" || fail "not told where"
+# Only clients of this user may have files written. Relative names are relative to the client's folder.
+"$foveactl" save saved.exr | grep -qF "$place/saved.exr" || fail "the answer does not name the file"
 "$programs/e2e_picture" saved.exr 1024 512 >/dev/null
 refused socket "$foveactl" save tcp.exr --connect "$tcp"
 [ ! -e tcp.exr ] || fail "a client over TCP had a file written"
@@ -54,7 +54,7 @@ refused samples "$foveactl" samples whole.exr samples.png
 stop
 [ "$(wc -l <daemon.err)" = 0 ] || fail "the daemon complains: $(cat daemon.err)"
 
-# A gaze that is recorded does not listen to a pointer, and its end is told.
+# A recorded gaze does not follow a pointer, and the stream tells when it ends.
 start --scene room.obj --size 256x128 --gaze replay:short.gaze
 refused replay "$foveactl" look 10,10
 "$foveactl" watch --until-finished --json >watch.json || fail "watch does not end with the recording"

@@ -1,14 +1,14 @@
 #!/bin/sh
-# What programs are given and what becomes of it: closed descriptors, output that cannot be written, signals that come
-# together, daemons that die, pictures that never rest.
-# If this test runs under nohup, its programs should not.
+# How programs deal with their surroundings: closed descriptors, output that cannot be written, signals that arrive
+# together, daemons that die, and pictures that never rest.
+# If this test runs under nohup, its programs must not.
 [ -n "${DEFAULT_SIGNALS-}" ] || DEFAULT_SIGNALS=1 exec env --default-signal=HUP sh "$0" "$@"
 . "$(dirname "$0")/common.sh"
 make_room
 make_log
 small="--scene room.obj --size 256x128"
 
-# Closed descriptors: a recording has no lines but its own, a picture no bytes but its own.
+# Closed descriptors: no other output may get into a recording or a picture.
 "$fovead" $small --gaze replay:short.gaze --clock virtual --record open.gaze --save open.exr >/dev/null
 for closed in '<&-' '>&-' '<&- >&-' '<&- >&- 2>&-'; do
     rm -f closed.gaze closed.exr closed.png
@@ -19,7 +19,7 @@ for closed in '<&-' '>&-' '<&- >&-' '<&- >&- 2>&-'; do
     "$programs/e2e_picture" closed.png 256 128 >/dev/null
 done
 
-# Output that cannot be written is an error of every program, and of everything that prints.
+# Output that cannot be written is an error in every program and in every command that prints.
 unwritten() {
     status=0
     "$@" >/dev/full 2>unwritten.err || status=$?
@@ -42,20 +42,22 @@ unwritten "$foveactl" move --by 0,0,0.1
 unwritten "$foveactl" compare open.exr open.exr
 unwritten "$foveactl" gaze info short.gaze
 unwritten "$foveactl" gaze convert short.gaze full.gaze
-# The picture is kept all the same, and a pipe that nobody reads is no end either.
+# The picture is saved nevertheless. A pipe that nobody reads is handled in the same way.
 unwritten "$fovead" $small --until 1spp --save unwritten.exr
 "$programs/e2e_picture" unwritten.exr 256 128 >/dev/null
 ("$fovead" $small --until 1spp --save unread.exr 2>/dev/null || echo $? >status) | true
-[ "$(cat status)" = 1 ] || fail 'nobody read it, and it was written'
+[ "$(cat status)" = 1 ] || fail 'a pipe that nobody reads was not an error'
 "$programs/e2e_picture" unread.exr 256 128 >/dev/null
 
-# A daemon that ends in order is no error for who watches, one that dies is; snapshot keeps what is whole.
+# For a client that watches, the orderly end of a daemon is not an error, but its death is. snapshot saves only whole
+# pictures.
 "$foveactl" watch --for 3600 >watch.txt 2>watch.err &
 watcher=$!
 await 'a client that watches' test -s watch.txt
 stop
-wait $watcher || fail "the daemon has ended in order, and watch with status $?: $(cat watch.err)"
-# A client counts as soon as it is there; one whose daemon dies before it was welcomed has no figures to tell.
+wait $watcher || fail "the daemon ended in order, but watch with status $?: $(cat watch.err)"
+# The daemon counts a client as soon as it connects. If the daemon dies before it has welcomed the client, the client
+# has no figures to print, and the test tries again.
 tells_figures() {
     start $small --gaze synthetic:2
     "$foveactl" watch --for 3600 --json >watch.json 2>watch.err &
@@ -64,13 +66,13 @@ tells_figures() {
     kill -9 "$daemon"
     wait "$daemon" || true
     daemon=
-    ! wait $watcher || fail 'the daemon was killed, and watch says nothing'
+    ! wait $watcher || fail 'the daemon was killed, but watch succeeded'
     [ "$(wc -l <watch.err)" = 1 ] && grep -q 'closed the connection\|broke' watch.err || fail "$(cat watch.err)"
     grep -q '"coverage"' watch.json
 }
 await 'the figures of a daemon that is killed' tells_figures
 
-# false_daemon KIND: welcomes the next client, and then is of that kind.
+# false_daemon KIND: start a daemon that welcomes the next client and then misbehaves in this way.
 false_daemon() {
     rm -f false.sock
     "$programs/e2e_false_daemon" "$place/false.sock" "$1" &
@@ -90,9 +92,9 @@ for kind in silent partial; do
     refused 'of the picture is there' "$foveactl" --connect "unix:$place/false.sock" --wait snapshot false.png --within 0.5
     wait $false
 done
-[ ! -e false.png ] || fail 'a picture of nothing'
+[ ! -e false.png ] || fail 'an incomplete picture was saved'
 
-# A camera that moves all the while: the picture never rests, and is taken.
+# The camera moves all the time: the picture never rests, but the snapshot is taken.
 start $small --gaze synthetic:2
 while kill -0 "$daemon" && "$foveactl" move --by 0.001,0,0 && sleep 1; do :; done >moves 2>/dev/null &
 mover=$!
@@ -102,11 +104,12 @@ mover=$!
 stop
 wait $mover || true
 
-# Signals that come together are one request, SIGHUP is one, and the picture is kept; nohup is obeyed.
+# Signals that arrive together are one request to end. SIGHUP is such a request too, unless nohup ignores it. The
+# picture is saved.
 for signals in 'INT TERM' 'INT TERM HUP' HUP; do
     rm -f kept.exr
     start $small --gaze synthetic:2 --save kept.exr
-    kill -STOP "$daemon" # so that all of them come at once
+    kill -STOP "$daemon" # so that all of them arrive at once
     for signal in $signals; do kill "-$signal" "$daemon"; done
     kill -CONT "$daemon"
     wait "$daemon" || fail "status $? after $signals"
@@ -121,9 +124,9 @@ rm daemon.out
 daemon=$!
 await 'the daemon' grep -qs '^fovead: ready$' daemon.out
 kill -HUP "$daemon"
-"$foveactl" stats >/dev/null || fail 'nohup is of no use'
+"$foveactl" stats >/dev/null || fail 'the daemon ends in spite of nohup'
 stop
-# A client that records ends that, too.
+# SIGHUP also ends a client that records.
 start $small --gaze synthetic:2
 "$foveactl" record hup.gaze --for 3600 >record.out &
 recorder=$!

@@ -1,17 +1,17 @@
 #!/bin/sh
-# An eye tracker that is plugged in while a recording is replayed, among umockdev's fake devices: the stream tells of
-# it, its recentring is kept for the next start, and its recording replays.
+# An eye tracker is plugged in while a recording is replayed, among umockdev's fake devices: the stream tells of it, its
+# recentring is kept for the next start, and its recording can be replayed.
 . "$(dirname "$0")/common.sh"
 if ! [ -x "$programs/device_plug" ] || ! command -v umockdev-wrapper >/dev/null; then
     echo "skipped: umockdev is not installed (sh daemon/setup.sh tests)"
     exit 77
 fi
-# umockdev's preload comes before a sanitizer's library, and is not ours to be checked for leaks.
+# umockdev's preload comes before a sanitizer's library, and its leaks are not ours to check.
 export ASAN_OPTIONS="${ASAN_OPTIONS:+$ASAN_OPTIONS:}verify_asan_link_order=0:detect_leaks=0"
 export XDG_STATE_HOME="$place/state"
 make_room
 
-# A tracker whose eye rests, 9 degrees to the right.
+# The script that runs with the tracker, whose gaze rests 9 degrees to the right.
 cat >clients.sh <<'END'
 set -eu
 fail() { echo "$*" >&2; exit 1; }
@@ -39,20 +39,20 @@ END
 umockdev-wrapper "$programs/device_plug" run file:asked still:25 -- sh clients.sh "$fovead" "$foveactl" "$source" >plug.out 2>plug.err ||
     fail "$(cat plug.err daemon.err ./*.json why 2>/dev/null)"
 grep -q 'hall.gaze.*no eye tracker found' before.json || fail "$(cat before.json)"
-grep -q '^fovead: gaze: eye tracker Fovea Test Tracker' daemon.err || fail "not a word on the tracker: $(cat daemon.err)"
+grep -q '^fovead: gaze: eye tracker Fovea Test Tracker' daemon.err || fail "the daemon does not report the tracker: $(cat daemon.err)"
 grep -q 'turned by [0-9.]* degrees, also after the next start' said || fail "$(cat said)"
 grep -q '"tracker": {' watch.json && grep -q '"drift_ppm"' watch.json || fail "$(cat watch.json)"
-[ "$(stat -c %a state/fovead)" = 700 ] || fail "others may look at what is kept"
+[ "$(stat -c %a state/fovead)" = 700 ] || fail "other users may read the rotation that is kept"
 sed -n 2p state/fovead/recentre >kept
 [ "$(wc -w <kept)" = 4 ] || fail "$(cat state/fovead/recentre)"
 
-# What was recorded is what the device said: recentring is not in it, nor what is replayed turned.
+# The recording holds what the device sent: recentring neither changes the recording nor its replay.
 grep -q 'recorded [1-9]' recorded || fail "$(cat recorded)"
 "$foveactl" gaze info tracker.gaze >info
 "$fovead" --scene room.obj --size 128x64 --gaze replay:tracker.gaze --clock virtual --json >replay.json 2>/dev/null
 [ "$(number gaze_valid replay.json)" -ge 10 ] || fail "$(cat replay.json)"
 
-# turned FOLDER: the direction of the resting eye, with what is kept there.
+# turned FOLDER: print the direction of the resting gaze, with the rotation that is kept in FOLDER.
 turned() {
     XDG_STATE_HOME="$1" umockdev-wrapper "$programs/device_plug" still:100 run -- sh -c '
         "$1" --scene room.obj --size 128x64 --gaze hid >daemon.out 2>daemon.err &

@@ -14,7 +14,7 @@ grep -q '"mode": "od"' paths.json && grep -q '"gaze": "none"' paths.json || fail
 "$fovead" --scene room.obj --size 256x128 --until 0.5s >seconds.txt
 grep -q '^time  *0\.[5-9]' seconds.txt || grep -q '^time  *[1-9]' seconds.txt || fail "$(cat seconds.txt)"
 
-# A closed emitter is the same everywhere, so it converges as soon as it is judged.
+# In a closed room that only emits, all radiance is the same, so it converges as soon as it is judged.
 sed 's/Kd 0.6 0.6 0.6/Kd 0 0 0\nKe 1 1 1/; s/Kd 0.7 0.1 0.1/Kd 0 0 0\nKe 1 1 1/; s/Ke 12 12 12/Ke 1 1 1/' room.mtl >emitter.mtl
 sed 's/room.mtl/emitter.mtl/' room.obj >emitter.obj
 "$fovead" --scene emitter.obj --size 128x64 --until converged --json >converged.json 2>/dev/null ||
@@ -33,7 +33,8 @@ grep -q '"mode": "fv"' end.json || fail "$(cat end.json)"
 "$foveactl" --help | grep -q snapshot || fail "no help"
 "$foveactl" --version | grep -q '^foveactl [0-9]' || fail "no version"
 
-# Without a device, auto is the recording that comes with fovead: of an installed one, what is installed beside it.
+# Without a device, auto replays the recording that comes with fovead. An installed fovead takes the one that is
+# installed beside it.
 mkdir -p bin share/fovead
 cp "$fovead" "$programs/fovead-reader" "$programs/fovead-image" bin
 cp short.gaze share/fovead/hall.gaze

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Under the virtual clock the same scene, log and seed give the same file, byte for byte, with any number of threads.
+# Under the virtual clock, the same scene, log and seed give the same file, byte for byte, with any number of threads.
 . "$(dirname "$0")/common.sh"
 make_room
 head -n 62 "$source/fixtures/hall.gaze" >short.gaze # half a second
@@ -11,13 +11,14 @@ for mode in fv vp od; do
     done
     cmp "$mode-1.exr" "$mode-2.exr"
     cmp "$mode-1.exr" "$mode-4.exr"
-    # 60 samples are half a second, and that is 100 batches of 4096 paths, after the outline's one a square of 16 x 16.
+    # 60 samples are half a second. Rendered in that time: 100 batches of 4096 paths, after the outline with one path
+    # per square of 16 x 16 pixels.
     paths=$(number paths "$mode-4.json")
     least=$((samples * 5 / 3 - 1))
     [ "$paths" -ge $((least * 4096)) ] && [ "$paths" -le $(((least + 2) * 4096)) ] || fail "$mode: $paths paths"
     [ "$(number gaze_samples "$mode-4.json")" = $samples ] || fail "not every sample was read: $(cat "$mode-4.json")"
 done
-# And it would show if they did not.
+# Files are compared in a way that would show a difference.
 "$fovead" --scene room.obj --size 512x256 --mode fv --gaze replay:short.gaze --clock virtual --seed 6 \
     --save other.exr >/dev/null
 if cmp -s fv-1.exr other.exr; then fail "another seed gives the same file"; fi

@@ -1,5 +1,5 @@
 #!/bin/sh
-# The installed client library as a stranger uses it: header, pkg-config file, shared and static linking.
+# The installed client library as other projects use it: header, pkg-config file, shared and static linking.
 # protocol_install.sh CMAKE BUILD LIBDIR CC SANITIZERS
 set -eu
 cmake=$1 build=$2 libdir=$3 cc=$4 sanitizers=$5
@@ -28,7 +28,7 @@ flags=${sanitizers:+-fsanitize=$sanitizers}
 "$cc" $flags "$root/client.c" -o "$root/shared" $(pkg-config --cflags --libs fovea)
 test "$(LD_LIBRARY_PATH="$root/$libdir" "$root/shared")" = "$expected"
 
-# The static library, with what it needs in turn as shared libraries.
+# Link the static library. The libraries that it needs are shared.
 rm "$root/$libdir"/libfovea.so*
 "$cc" $flags "$root/client.c" -o "$root/static" $(pkg-config --static --cflags --libs fovea)
 test "$("$root/static")" = "$expected"
