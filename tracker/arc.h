@@ -1,4 +1,4 @@
-/* arc: arcs on the sphere of directions, in degrees. For the files of tracker/ alone. */
+/* arc: arcs on the sphere of directions, in degrees. Only for the files of tracker/. */
 #ifndef FOVEAD_TRACKER_ARC_H
 #define FOVEAD_TRACKER_ARC_H
 
@@ -6,8 +6,8 @@
 #include <math.h>
 
 /* The arc from one unit vector to another, as a vector in the tangent plane of the first: it points along the
- * start of the arc and is as long as the arc, in degrees. Between antipodes, one of the arcs that there are.
- */
+ * start of the arc, and its length is that of the arc in degrees. Between opposite vectors it is any one of
+ * the arcs. */
 static inline void trk_arc(const float from[3], const float to[3], vec3 out_deg)
 {
     vec3 a = {from[0], from[1], from[2]}, b = {to[0], to[1], to[2]}, tangent;

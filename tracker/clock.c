@@ -4,22 +4,23 @@
 #include <math.h>
 #include <string.h>
 
-/* No delay and no gap between stamp and arrival is longer: what differs by more has stepped. */
+/* No delay, and no gap between stamp and arrival, is longer. A larger difference means that the counter has
+ * stepped. */
 static const double step_ns = 1e9;
 
-/* Stamps that are older than the last one by at most so much, or not newer for at most so many samples in a
- * row, are only out of order. */
+/* Stamps are only out of order if they are at most this much older than the last one, or not newer for at
+ * most this many samples in a row. */
 static const double disorder_ns = 100e6;
 enum { DISORDER = 8 };
 
-/* A sample so far below the line shows that the samples that define the line were late: a
- * backlog at the start. */
+/* A sample this far below the line shows that the samples that define the line were late, as in a backlog at
+ * the start. */
 static const double backlog_ns = 20e6;
 
-/* Crystals are accurate to 100 ppm; a slope beyond this is not drift. */
+/* Crystals are accurate to 100 ppm. A steeper slope is not drift. */
 static const double steepest = 2e-3;
 
-/* Seconds of which a slope is believed. */
+/* A slope is trusted once this many seconds are known. */
 enum { BELIEVED = 3 };
 
 static const double jitter_weight = 1.0 / 256;
@@ -29,8 +30,8 @@ void trk_clock_init(struct trk_clock *clock, unsigned bits, double tick_ns)
     *clock = (struct trk_clock){.bits = bits, .tick_ns = tick_ns};
 }
 
-/* Ticks since the last sample: the shortest way around the counter, and as many whole turns as the time that
- * went by explains. */
+/* Ticks since the last sample: the shortest way around the counter, plus as many whole turns as the time
+ * since then explains. */
 static double ticks_since(const struct trk_clock *clock, uint64_t ticks, double waited_ns)
 {
     uint64_t mask = clock->bits < 64 ? (UINT64_C(1) << clock->bits) - 1 : UINT64_MAX;
@@ -51,8 +52,8 @@ static void forget(struct trk_clock *clock)
     clock->slope = clock->mean_ns = clock->variance = 0;
 }
 
-/* The lower convex hull of the seconds' least delays, and of it the edge over their mean: of all lines below
- * every point the one with the least sum of distances. */
+/* Find the lower convex hull of the smallest delays per second, and its edge over their mean device time: of
+ * all lines below every point, this one has the smallest sum of distances. */
 static void fit(struct trk_clock *clock)
 {
     const struct trk_clock_second *s = clock->second;
@@ -106,7 +107,7 @@ static void learn(struct trk_clock *clock, double device_ns, double delay_ns)
     clock->variance = (1 - jitter_weight) * (clock->variance + jitter_weight * off_ns * off_ns);
 }
 
-/* The device's time at this stamp, before it is kept from going back. */
+/* The device's time at this stamp; trk_clock_add() keeps it from going back. */
 static double advance(struct trk_clock *clock, uint64_t ticks, uint64_t arrival_ns)
 {
     double waited_ns = (double)(arrival_ns - clock->arrival_ns);
@@ -124,7 +125,7 @@ static double advance(struct trk_clock *clock, uint64_t ticks, uint64_t arrival_
                   since_ns - device_ns > delay_at(clock, device_ns) + step_ns;
     }
     if (!stepped) return device_ns;
-    /* behind is kept: while a counter stands still, arrivals tell its time. */
+    /* Keep `behind`: while a counter stands still, arrivals tell its time. */
     forget(clock);
     clock->restarts++;
     clock->elapsed = 0;

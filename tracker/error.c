@@ -1,4 +1,4 @@
-/* One line of text that says what went wrong. */
+/* Messages of one line that say what went wrong. */
 #include "error.h"
 
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* The classifier: speeds, states and noise, and its constants. */
+/* The classifier: its constants, speeds, states and noise. */
 #include "events.h"
 
 #include "arc.h"
@@ -8,36 +8,38 @@
 
 #define MS UINT64_C(1000000)
 
-/* Speed is the difference of the means over a newest and a base span, with a skipped span between them. A
- * speed above the least of a row is an onset. At 120 Hz, one sample against the three before it shows the
- * onset of a large saccade soonest. One against three, with one skipped, shows that of a smaller saccade,
- * which takes three samples as large ones do and would otherwise be part of its own base. Two against three,
- * with one skipped, has less noise and shows the smallest saccade, of a degree, when it has landed. One
- * against two shows the offset, for it forgets the flight sooner; one against one gives the peak. */
+/* Speed is the difference between two means, divided by time. The newest span and the base span are averaged;
+ * a span between them may be skipped. A speed above least_deg_s in one of the rows is an onset. At 120 Hz,
+ * one sample against the three before it shows the onset of a large saccade soonest. One against three with
+ * one skipped shows that of a smaller saccade, which also takes about three samples and would otherwise be
+ * part of its own base. Two against three with one skipped has less noise, and shows the smallest saccades,
+ * of one degree, when they have landed. One against two shows the offset, because it forgets the saccade
+ * sooner. One against one gives the peak. */
 static const struct span {
     uint64_t newest_ns, skip_ns, base_ns;
     double least_deg_s;
 } onset_spans[] = {{6 * MS, 0, 27 * MS, 60}, {6 * MS, 7 * MS, 27 * MS, 40}, {14 * MS, 7 * MS, 27 * MS, 35}},
   offset_span = {6 * MS, 0, 13 * MS, 40}, peak_span = {6 * MS, 0, 5 * MS, 0};
-/* All thresholds are above the usual 30 deg/s (Tobii XR Ocumen), which is less than the noise of a headset:
- * 60 to 120 deg/s from sample to sample at 120 Hz. While gaze moves already, the threshold is 70, for the
- * movement may be a pursuit of 30. All rise with the measured noise: the speed of an eye at rest is Rayleigh
- * distributed, and exceeds 4.5 times its scale once in 25,000 samples, and twice its scale in one of seven.
- */
+/* All thresholds are above the usual 30 deg/s (Tobii XR Ocumen), because that is less than the noise of a
+ * headset: 60 to 120 deg/s from sample to sample at 120 Hz. While gaze already moves, the threshold is 70,
+ * because the movement may be a pursuit of 30. All thresholds rise with the measured noise: the measured
+ * speed of an eye at rest is Rayleigh distributed, and exceeds 4.5 times its scale once in 25,000 samples,
+ * and twice its scale once in seven. */
 static const double moving_onset_deg_s = 70, onset_noises = 4.5, offset_noises = 2;
 enum { ONSETS = sizeof onset_spans / sizeof *onset_spans };
-/* The longest saccade there is, 40 degrees, takes 110 ms. */
+/* The longest saccades, of 40 degrees, take 110 ms. */
 static const uint64_t longest_saccade_ns = 150 * MS;
-/* Pursuit: the slope over 100 ms stays above 10 deg/s, or 4 deviations of its noise, for another 100 ms, in
- * which the largest step that no onset shows has passed; it ends at half of that. */
+/* A pursuit begins when the slope over 100 ms has been above 10 deg/s, or above 4 standard deviations of its
+ * noise, for another 100 ms. By then the largest step that shows no onset has left the span. It ends at half
+ * of that speed. */
 static const double pursuit_deg_s = 10, pursuit_noises = 4;
 static const uint64_t pursuit_ns = 100 * MS;
-/* Samples are missing where more than twice the usual interval has passed, and more than this. */
+/* Samples are missing where more than this, and more than twice the usual interval, has passed. */
 static const uint64_t short_gap_ns = 20 * MS;
-/* The noise that is assumed at first, and the lowest: no tracker is better. */
+/* The noise that is assumed at first, and the lowest noise: no tracker is better. */
 static const double first_noise_deg = 0.2, least_noise_deg = 0.01;
-/* Steps that fall like 0.7 / n find the median soonest, for its density over the log of noise is 0.7. They
- * fall no lower than the least, so that the estimate keeps following. */
+/* Steps of 0.7 / n find the median soonest, because the density of the logarithm of the noise is 0.7 at the
+ * median. Steps stay above a minimum, so that the estimate keeps following. */
 static const double first_noise_step = 0.7, least_noise_step = 0.004;
 
 void trk_classifier_init(struct trk_classifier *classifier)
@@ -49,7 +51,7 @@ void trk_classifier_init(struct trk_classifier *classifier)
 
 struct mean {
     int count;
-    double age_ns; /* before the newest sample */
+    double age_ns; /* age relative to the newest sample */
     vec3 head, world;
 };
 
@@ -63,7 +65,7 @@ static uint64_t kept(const struct trk_classifier *c)
     return c->count < TRK_PAST ? c->count : TRK_PAST;
 }
 
-/* Mean over the samples from number *age back, the newest being 0, that are less than span_ns older than the
+/* Average the samples from number *age back (0 is the newest) that are less than span_ns older than the
  * newest and not older than not_before_ns; at least one, if there is one. Moves *age past them. */
 static void average(const struct trk_classifier *c, uint64_t *age, uint64_t span_ns, uint64_t not_before_ns,
                     struct mean *out)
@@ -84,11 +86,11 @@ static void average(const struct trk_classifier *c, uint64_t *age, uint64_t span
     out->age_ns /= out->count;
 }
 
-/* Speeds in deg/s; all 0 while there are too few samples. The base is normalised into out_from. */
+/* Speeds in deg/s. All are 0 while there are too few samples. */
 struct speed {
-    double world, lesser; /* of gaze in the world; the lesser of that and the eye's in the head */
-    double noise;         /* standard deviation of an axis of either */
-    vec3 from;            /* mean direction in the world of the base, of unit length */
+    double world, lesser; /* of gaze in the world; the lower of that and the speed in the head */
+    double noise;         /* standard deviation of each axis of either speed */
+    vec3 from;            /* mean direction of the base span: unit, world */
 };
 
 static struct speed speed_over(const struct trk_classifier *c, struct span span, uint64_t not_before_ns)
@@ -109,7 +111,8 @@ static struct speed speed_over(const struct trk_classifier *c, struct span span,
     return speed;
 }
 
-/* The slope of gaze in the world over the last 100 ms, by least squares, and the deviation of its noise. */
+/* The slope of gaze in the world over the last 100 ms, by least squares, and the standard deviation of its
+ * noise. */
 static double slope(const struct trk_classifier *c, double *out_noise)
 {
     uint64_t now_ns = past(c, 0)->time_ns, count = 0;
@@ -132,9 +135,10 @@ static double slope(const struct trk_classifier *c, double *out_noise)
     return glm_deg(glm_vec3_norm(tx)) / spread;
 }
 
-/* The second difference of three samples in a row does not show smooth movement, and has six times the
- * variance of one sample. Its length is Rayleigh distributed. Steps approach the median of that length, up as
- * often as down, so that no saccade disturbs it (stochastic approximation: Robbins and Monro 1951). */
+/* The second difference of three successive samples does not show smooth movement. Its variance is six times
+ * that of one sample, and its length is Rayleigh distributed. The estimate steps towards the median of that
+ * length, up as often as down, so a saccade hardly disturbs it (stochastic approximation: Robbins and Monro
+ * 1951). */
 static void measure_noise(struct trk_classifier *c)
 {
     if (c->count < 3) return;
@@ -159,7 +163,7 @@ static void enter(struct trk_classifier *c, enum trk_state state, uint64_t since
     c->steady_ns = past(c, 0)->time_ns;
 }
 
-/* In a saccade: has it ended? The newest two samples of those that tell are already at rest. */
+/* End the saccade if the newest samples are at rest again, or if it has lasted too long. */
 static void follow_saccade(struct trk_classifier *c, uint64_t now_ns)
 {
     struct speed speed = speed_over(c, offset_span, 0);
@@ -168,7 +172,8 @@ static void follow_saccade(struct trk_classifier *c, uint64_t now_ns)
     enter(c, TRK_FIXATION, past(c, 1)->time_ns);
 }
 
-/* steady_ns is when the slope was last on this state's side of its threshold. */
+/* Begin or end a pursuit when the slope has been on the other side of its threshold for long enough.
+ * steady_ns is when it was last on the side of the present state. */
 static void follow_slope(struct trk_classifier *c, uint64_t now_ns)
 {
     double noise, speed = slope(c, &noise);
@@ -180,8 +185,8 @@ static void follow_slope(struct trk_classifier *c, uint64_t now_ns)
         enter(c, pursues ? TRK_FIXATION : TRK_PURSUIT, now_ns - pursuit_ns);
 }
 
-/* Does this sample continue the last one? It does not after a long gap, or if the eye jumped in a short one.
- */
+/* Does this sample continue the last one? Not after a long gap, and not after a short one in which the eye
+ * jumped. */
 static bool goes_on(const struct trk_classifier *c, uint64_t time_ns, const float world[3])
 {
     if (!c->count) return false;
@@ -221,7 +226,7 @@ enum trk_state trk_classify(struct trk_classifier *c, uint64_t time_ns, const fl
         struct speed speed = speed_over(c, onset_spans[i], c->since_ns);
         double least_deg_s = moves ? moving_onset_deg_s : onset_spans[i].least_deg_s;
         if (speed.lesser <= fmax(least_deg_s, onset_noises * speed.noise)) continue;
-        /* The oldest base is free of the flight. */
+        /* The oldest base contains nothing of the saccade. */
         struct speed oldest = speed_over(c, onset_spans[ONSETS - 1], c->since_ns);
         memcpy(c->from, oldest.world > 0 ? oldest.from : speed.from, sizeof c->from);
         c->peak_deg_s = (float)fmax(fastest, speed.world);

@@ -5,12 +5,12 @@
 
 #include <string.h>
 
-/* Cut-off at rest and its rise with speed. Public gaze software has 1 Hz and 0.05 Hz per deg/s at 120 Hz; 1
- * Hz lags 160 ms behind slow movement, so both are chosen from the upper part of the useful 1 to 3 Hz and
- * 0.02 to 0.1 Hz per deg/s. The speed itself is low-passed at 1 Hz, as in Casiez et al. 2012. */
+/* Cut-off at rest, and how it rises with speed. Public gaze software uses 1 Hz and 0.05 Hz per deg/s at 120
+ * Hz. But 1 Hz lags 160 ms behind slow movement, so both are from the upper part of the useful ranges, 1 to 3
+ * Hz and 0.02 to 0.1 Hz per deg/s. The speed itself is low-passed at 1 Hz, as in Casiez et al. 2012. */
 static const double min_cutoff_hz = 2, cutoff_per_deg_s = 0.08, speed_cutoff_hz = 1;
 
-/* The share of a new value in a first-order low-pass; Casiez et al. 2012, equations 1 and 2. */
+/* The weight of a new value in a first-order low-pass (Casiez et al. 2012, equations 1 and 2). */
 static double share(double cutoff_hz, double dt_s)
 {
     double tau_s = 1 / (2 * M_PI * cutoff_hz);

@@ -1,14 +1,14 @@
-/* The gaze of one sample: which eyes are to be believed, and where they look together. */
+/* The gaze of one sample: which eyes are trusted, and where they look together. */
 #include "gaze.h"
 
 #include <cglm/cglm.h>
 #include <math.h>
 #include <string.h>
 
-/* Of a lid. */
+/* A lid that is less open than this is down. */
 static const float half_open = 0.5f;
 
-/* Is that eye (0 left, 1 right) known to be under its lid? */
+/* Is the lid of this eye (0 left, 1 right) known to be down? */
 static bool is_lid_down(const struct trk_sample *sample, int eye)
 {
     return (sample->valid & TRK_LEFT_OPENNESS << 4 * eye) && sample->eye[eye].openness < half_open;
@@ -20,7 +20,7 @@ bool trk_combine(struct trk_sample *sample)
     int eyes = 0, origins = 0;
     bool is_mean = false;
     for (int i = 0; i < 2; i++) {
-        /* an eye under its lid tells nothing where the other one is open */
+        /* an eye under its lid does not count if the other one is open */
         const bool other = (sample->valid & TRK_LEFT_DIRECTION << 4 * !i) && !is_lid_down(sample, !i);
         if ((sample->valid & TRK_LEFT_DIRECTION << 4 * i) && !(is_lid_down(sample, i) && other)) {
             glm_vec3_add(direction, sample->eye[i].direction, direction);
@@ -31,7 +31,7 @@ bool trk_combine(struct trk_sample *sample)
             origins++;
         }
     }
-    /* Two eyes that look apart by half a turn have no mean. */
+    /* Two eyes that look in opposite directions have no mean. */
     if (!(sample->valid & TRK_DIRECTION) && glm_vec3_norm(direction) > 1e-3f) {
         glm_vec3_normalize_to(direction, sample->direction);
         sample->valid |= TRK_DIRECTION;
@@ -60,7 +60,7 @@ bool trk_gaze_direction(const struct trk_sample *sample, float out_head[3], cons
         if (left != right) source = left ? "left eye" : "right eye";
     }
     float length = glm_vec3_norm(direction);
-    if (!(length > 0.5f && length < 3)) return false; /* nothing, eyes that look apart, or no numbers */
+    if (!(length > 0.5f && length < 3)) return false; /* none, opposite eyes, or not numbers */
     glm_vec3_normalize_to(direction, out_head);
     if (out_source) *out_source = source;
     return true;
@@ -70,7 +70,7 @@ void trk_to_world(const struct trk_sample *sample, const float head[3], float ou
 {
     vec3 direction = {head[0], head[1], head[2]};
     if (sample->valid & TRK_HEAD) {
-        versor pose; /* a copy: cglm's is aligned */
+        versor pose; /* a copy, because cglm needs it aligned */
         memcpy(pose, &sample->head[3], sizeof pose);
         if (fabsf(glm_quat_norm(pose) - 1) <= 1e-2f) glm_quat_rotatev(pose, direction, direction);
         glm_vec3_normalize(direction);

@@ -15,18 +15,19 @@ enum {
     HEAD_TRACKER = 0x02,
     MAX_DEPTH = 32,
     MAX_PUSHED = 16,
-    MAX_USAGES = TRK_HID_MAX_DESCRIPTOR / 2, /* an item has two bytes or more */
+    MAX_USAGES = TRK_HID_MAX_DESCRIPTOR / 2, /* every item has at least two bytes */
     CONSTANT = 1,                            /* flags of a main item */
     VARIABLE = 2,
 };
 
-/* Limits of a tick from which a clock of nanoseconds can be made. */
+/* Ticks must be within these limits to make a clock in nanoseconds. */
 static const double finest_s = 1e-9 * (1 - 1e-6), coarsest_s = 1;
 
-/* What a quantity is measured in. */
+/* The dimension of a quantity. */
 enum measure { TIME, LENGTH, ANGLE, RATE, NUMBER };
 
-/* X, Y and Z are told apart by the collection that they are directly in. */
+/* X, Y and Z of different things have the same usages: the innermost collection around them tells which thing
+ * it is. */
 static const struct {
     uint16_t parent, usage; /* parent 0: any */
     uint8_t quantity, measure;
@@ -51,8 +52,8 @@ struct item {
     uint32_t data;
 };
 
-/* 6.2.2.7. A logical or physical limit is kept as it was written: whether a maximum is signed depends on the
- * minimum that holds when it is used, whichever came first. */
+/* 6.2.2.7. Logical and physical limits are kept as written. Whether a maximum is signed depends on the
+ * minimum that is in force when both are used, whichever came first. */
 struct globals {
     uint16_t page;
     struct item low, high, physical_low, physical_high;
@@ -61,9 +62,9 @@ struct globals {
     uint8_t report;
 };
 
-struct usages { /* a range; of one usage low and high are the same */
+struct usages { /* a range; for a single usage low and high are equal */
     uint32_t low, high;
-    bool has_page; /* in their upper halves */
+    bool has_page; /* their upper halves hold the page */
 };
 
 struct parser {
@@ -78,7 +79,7 @@ struct parser {
     struct {
         uint16_t page, usage;
     } collection[MAX_DEPTH];
-    int depth, tracker_depth; /* tracker_depth: at which the eye tracker's collection is open; 0: none is */
+    int depth, tracker_depth; /* tracker_depth: depth of the eye tracker's collection; 0: none is open */
     bool found;
 };
 
@@ -94,14 +95,14 @@ static int64_t as_signed(const struct item *item)
     }
 }
 
-/* A maximum below a minimum of 0 or more was meant as unsigned: many firmwares write 25 FF after 15 00 for
- * 255. */
+/* If the minimum is 0 or more, the maximum is meant as unsigned: many firmwares write 25 FF after 15 00 and
+ * mean 255. */
 static int64_t as_maximum(const struct item *maximum, int64_t minimum)
 {
     return minimum >= 0 ? (int64_t)maximum->data : as_signed(maximum);
 }
 
-/* Four bits as in 6.2.2.7, or a whole signed number, as some write it. */
+/* The exponent is four bits as in 6.2.2.7, or a whole signed number, as some firmwares write it. */
 static int as_exponent(const struct item *item)
 {
     if (item->data <= 15) return item->data < 8 ? (int)item->data : (int)item->data - 16;
@@ -116,8 +117,8 @@ static bool is_power(uint32_t unit, int nibble, uint32_t power)
     return (unit & ~UINT32_C(15)) == power << (4 * nibble);
 }
 
-/* m, rad, s or Hz in one unit of the descriptor; 0 if it measures something else. 6.2.2.7: the lowest nibble
- * is the system, the next the power of length or angle, the fourth that of time. */
+/* One unit of the descriptor in m, rad, s or Hz; 0 if it does not measure that. 6.2.2.7: the lowest nibble is
+ * the system of units, the second is the power of length or angle, and the fourth that of time. */
 static double unit_size(uint32_t unit, enum measure measure)
 {
     uint32_t system = unit & 15;
@@ -138,7 +139,7 @@ static double unit_size(uint32_t unit, enum measure measure)
     }
 }
 
-/* Fill in scale and offset. False if the field's unit is of no use for its quantity. */
+/* Set scale and offset. Returns false if the field's unit does not suit its quantity. */
 static bool scale(const struct globals *now, enum measure measure, struct trk_hid_field *field)
 {
     double span = (double)field->high - (double)field->low;
@@ -146,7 +147,7 @@ static bool scale(const struct globals *now, enum measure measure, struct trk_hi
     field->scale = 1;
     if (measure == NUMBER || (measure == RATE && size == 0)) return true;
     if (measure == TIME) {
-        field->scale = size != 0 ? size : 1e-6; /* microseconds are what everybody sends */
+        field->scale = size != 0 ? size : 1e-6; /* without a unit, all known devices send microseconds */
         return field->scale >= finest_s && field->scale <= coarsest_s;
     }
     if (size == 0) {
@@ -177,8 +178,8 @@ static const struct trk_hid_field *find(const struct trk_hid_layout *layout, enu
     return NULL;
 }
 
-/* One usage of a main item and the elements that it holds for: of a timestamp they are one number, such as 8
- * bytes. */
+/* Add the field of one usage of a main item, and of the elements that the usage covers. The elements of a
+ * timestamp are one number, for example 8 bytes. */
 static void add_field(struct parser *p, enum trk_hid_type type, size_t entry, uint64_t element,
                       uint64_t elements)
 {
@@ -207,7 +208,7 @@ static void add_field(struct parser *p, enum trk_hid_type type, size_t entry, ui
         out->has_unknown_turn = true;
 }
 
-/* The usage of the nearest collection around that has one. */
+/* The usage of the innermost collection that has one; 0 if it is of another page. */
 static uint16_t parent_usage(const struct parser *p)
 {
     for (int i = p->depth - 1; i >= 0; i--)
@@ -215,8 +216,8 @@ static uint16_t parent_usage(const struct parser *p)
     return 0;
 }
 
-/* Find the known usages in the ranges of usages, element by element. The last usage holds for all elements
- * that are left (6.2.2.8), which matters for a timestamp alone. */
+/* Find the known usages in the ranges of usages, element by element. The last usage covers all remaining
+ * elements (6.2.2.8), which matters only for a timestamp. */
 static void add_fields(struct parser *p, enum trk_hid_type type)
 {
     uint16_t parent = parent_usage(p);
@@ -247,12 +248,12 @@ static bool bad(const struct parser *p, const struct item *item, const char *wha
 static bool take_report(struct parser *p, const struct item *item, enum trk_hid_type type)
 {
     struct globals *now = &p->now;
-    uint64_t bits = (uint64_t)now->size * now->count; /* of 32-bit numbers: no overflow */
+    uint64_t bits = (uint64_t)now->size * now->count; /* 32-bit factors: no overflow */
     uint16_t *used = &p->out->bits[type][now->report];
     if (bits > (uint64_t)(TRK_HID_MAX_REPORT_BITS - *used))
         return bad(p, item, "a report of more than 4096 bytes");
-    /* Constant with a usage is live data all the same (the reference descriptor's gaze); without, padding. An
-     * array's values are names of what is on, no quantities. */
+    /* A constant field with a usage holds live data nevertheless (gaze in the reference descriptor); without
+     * a usage it is padding. The values of an array are usages that are on, and not quantities. */
     bool is_array = !(item->data & (VARIABLE | CONSTANT));
     if (p->tracker_depth && !is_array && type != TRK_HID_OUTPUT) add_fields(p, type);
     *used = (uint16_t)(*used + bits);
@@ -302,7 +303,7 @@ static bool take_main(struct parser *p, const struct item *item)
         ok = close_collection(p, item);
         break;
     }
-    /* What is local ends with a main item. */
+    /* Local items hold until the next main item. */
     p->usages = 0;
     p->in_delimiter = p->delimiter_used = p->has_minimum = false;
     return ok;
@@ -358,7 +359,7 @@ static bool take_global(struct parser *p, const struct item *item)
 
 static void add_usages(struct parser *p, uint32_t low, uint32_t high, bool has_page)
 {
-    /* Of alternative usages, between delimiters, the first is the preferred one (6.2.2.8). */
+    /* Delimiters enclose alternative usages, and the first one is preferred (6.2.2.8). */
     if (p->in_delimiter && p->delimiter_used) return;
     p->delimiter_used = p->in_delimiter;
     if (p->usages < MAX_USAGES) p->usage[p->usages++] = (struct usages){low, high, has_page};
@@ -386,7 +387,7 @@ static void take_local(struct parser *p, const struct item *item)
     }
 }
 
-/* Cut off the next item. False at the end, and with a line in out_error if it is cut short. */
+/* Take the next item. Returns false at the end, and with a line in out_error if the item is cut off. */
 static bool next_item(struct parser *p, const uint8_t *bytes, size_t size, size_t *at, struct item *out_item)
 {
     if (*at == size) return false;
@@ -394,7 +395,7 @@ static bool next_item(struct parser *p, const uint8_t *bytes, size_t size, size_
     *out_item = (struct item){
         .at = *at, .type = prefix >> 2 & 3, .tag = prefix >> 4, .size = (prefix & 3) == 3 ? 4 : prefix & 3};
     size_t left = size - *at - 1, length = out_item->size;
-    bool is_long = prefix == 0xfe; /* 6.2.2.3: none is defined; its own length, a tag and so many bytes */
+    bool is_long = prefix == 0xfe; /* 6.2.2.3, a long item, which has no defined use: length, tag, data */
     if (is_long) length = left >= 1 ? 2 + (size_t)bytes[*at + 1] : 2;
     if (length > left) return bad(p, out_item, "an item that is cut short");
     for (size_t i = 0; !is_long && i < length; i++) out_item->data |= (uint32_t)bytes[*at + 1 + i] << (8 * i);

@@ -1,9 +1,9 @@
-/* hid_descriptor: what a HID report descriptor says of an eye tracker.
+/* hid_descriptor: what a HID report descriptor says about an eye tracker.
  *
- * A pure function turns the bytes of a report descriptor (HID 1.11, 6.2.2) into a table that says in which
- * report, and where in it, each quantity lies and what it means; hid_report decodes by this table. It knows
- * usage page 0x12 "Eye and Head Trackers" (HUTRR74), with any report id, order, size, unit and exponent, and
- * passes over everything else in the descriptor. */
+ * A pure function turns the bytes of a report descriptor (HID 1.11, 6.2.2) into a table. The table says in
+ * which report, and where in it, each quantity is, and what it means; hid_report decodes reports with it. The
+ * parser knows usage page 0x12 "Eye and Head Trackers" (HUTRR74), with any report id, order, size, unit and
+ * exponent, and ignores everything else in the descriptor. */
 #ifndef FOVEAD_TRACKER_HID_DESCRIPTOR_H
 #define FOVEAD_TRACKER_HID_DESCRIPTOR_H
 
@@ -11,7 +11,7 @@
 
 enum trk_hid_type { TRK_HID_INPUT, TRK_HID_OUTPUT, TRK_HID_FEATURE, TRK_HID_TYPES };
 
-/* X, Y and Z of one thing follow one another. */
+/* X, Y and Z of the same thing are consecutive. */
 enum trk_hid_quantity {
     TRK_HID_TIMESTAMP,
     TRK_HID_GAZE_X,
@@ -28,13 +28,13 @@ enum trk_hid_quantity {
     TRK_HID_TURN_X, /* the head's rotation about X */
     TRK_HID_TURN_Y,
     TRK_HID_TURN_Z,
-    TRK_HID_NEAREST, /* minimum and maximum tracking distance */
+    TRK_HID_NEAREST, /* the smallest and largest tracking distance */
     TRK_HID_FARTHEST,
     TRK_HID_WIDTH, /* of the calibrated screen */
     TRK_HID_HEIGHT,
     TRK_HID_FREQUENCY, /* of sampling */
-    TRK_HID_STATUS,    /* of configuration: enum trk_hid_status */
-    TRK_HID_MODE,      /* device mode request: TRK_HID_ASK_* */
+    TRK_HID_STATUS,    /* of the configuration: enum trk_hid_status */
+    TRK_HID_MODE,      /* request of a device mode: TRK_HID_ASK_* */
     TRK_HID_QUANTITIES
 };
 
@@ -50,15 +50,15 @@ enum { TRK_HID_ASK_GAZE = 1, TRK_HID_ASK_EYES = 2, TRK_HID_ASK_HEAD = 4 };
 struct trk_hid_field {
     enum trk_hid_quantity quantity;
     enum trk_hid_type type;
-    uint8_t report;     /* its id; 0 when reports are not numbered */
+    uint8_t report;     /* id of the report; 0 if reports are not numbered */
     uint8_t bits;       /* 1 to 64, little endian */
-    uint16_t first_bit; /* counted from the byte after the report id */
+    uint16_t first_bit; /* counted from the first byte after the report id */
     bool is_signed;
-    bool has_range;    /* values outside low..high mean "not available" */
+    bool has_range;    /* a value outside low..high means "not available" */
     int64_t low, high; /* logical */
-    /* value = offset + scale * raw: in m, s, rad or Hz; of a gaze point without a unit the share of the
-     * screen, 0 to 1; of status and mode the number itself. Of a timestamp the ticks are kept, and scale is
-     * seconds a tick. */
+    /* value = offset + scale * raw, in m, s, rad or Hz. A gaze point without a unit is a share of the screen,
+     * 0 to 1; status and mode are the raw numbers. For a timestamp the ticks are kept, and scale is seconds
+     * per tick. */
     double scale, offset;
     bool is_share; /* a gaze point without a unit */
 };
@@ -67,22 +67,23 @@ enum { TRK_HID_MAX_FIELDS = 64, TRK_HID_MAX_DESCRIPTOR = 4096, TRK_HID_MAX_REPOR
 
 struct trk_hid_layout {
     bool numbered;         /* reports begin with an id */
-    bool has_unknown_turn; /* the head's rotation is there, in a unit that is no angle, and left out */
+    bool has_unknown_turn; /* the head's rotation is left out, because its unit is not an angle */
     size_t fields;
     struct trk_hid_field field[TRK_HID_MAX_FIELDS];
-    uint16_t bits[TRK_HID_TYPES][256]; /* of each report, without its id; at most TRK_HID_MAX_REPORT_BITS */
+    uint16_t bits[TRK_HID_TYPES][256]; /* of each report without its id; up to TRK_HID_MAX_REPORT_BITS */
 };
 
-/* Parse a descriptor of size bytes. False and a line in out_error, which names the byte, if the descriptor is
- * malformed, or does not describe an eye tracker that reports a gaze point. */
+/* Parse a descriptor of size bytes. Returns false and a line in out_error, which names the byte, if the
+ * descriptor is malformed or does not describe an eye tracker that reports a gaze point. */
 bool trk_hid_parse(const uint8_t *bytes, size_t size, struct trk_hid_layout *out_layout,
                    char out_error[TRK_ERROR_SIZE]);
 
-/* The field of that quantity in a report of that type; the first if there are more, NULL if there is none. */
+/* The field with this quantity in reports of this type: the first if there are several, NULL if there is
+ * none. */
 const struct trk_hid_field *trk_hid_find(const struct trk_hid_layout *layout, enum trk_hid_type type,
                                          enum trk_hid_quantity quantity);
 
-/* After how many bits a timestamp starts again: a field may declare fewer than it is wide. */
+/* After how many bits a timestamp wraps: the declared range may be smaller than the field. */
 unsigned trk_hid_clock_bits(const struct trk_hid_field *timestamp);
 
 #endif

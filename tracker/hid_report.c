@@ -5,10 +5,10 @@
 #include <math.h>
 #include <string.h>
 
-/* Eyes nearer to the screen or farther from it than this do not look at it. */
+/* Eyes that are nearer to the screen or farther from it cannot be looking at it. */
 static const double nearest_m = 0.05, farthest_m = 5;
 
-/* A gaze point that is more screens than this off the screen is invalid. */
+/* A gaze point that is off the screen by more than this many screens is invalid. */
 static const double farthest_share = 10;
 
 static uint64_t take_bits(const uint8_t *bytes, size_t first, unsigned count)
@@ -81,8 +81,8 @@ static bool has(const struct trk_hid_values *values, enum trk_hid_quantity first
     return (values->has & bits) == bits;
 }
 
-/* Turn a point of the device's frame, X Y Z from value[0], into ours: Y is reversed, and the origin moves
- * from the screen's corner to a place in front of its middle. */
+/* Convert a point (X, Y, Z) from the device's frame to ours: Y is reversed, and the origin moves from the
+ * screen's corner to the place in front of its middle. */
 static void point(const double value[3], const struct trk_screen *screen, vec3 out)
 {
     out[0] = (float)(value[0] - screen->width_m / 2);
@@ -95,7 +95,7 @@ static bool is_near(const double value[3])
     return fabs(value[0]) <= farthest_m && fabs(value[1]) <= farthest_m && fabs(value[2]) <= farthest_m;
 }
 
-/* An eye in front of the screen. Sample drivers send zeros for an unknown position. */
+/* The position of an eye in front of the screen. Sample drivers send zeros for an unknown position. */
 static bool eye_point(const struct trk_hid_values *values, enum trk_hid_quantity x,
                       const struct trk_screen *screen, vec3 out)
 {
@@ -115,8 +115,8 @@ static bool aim(const vec3 from, const vec3 to, float out_direction[3])
     return true;
 }
 
-/* Reversing Y reverses rotations about X and Z. No document states their order; yaw, then pitch, then roll is
- * usual for heads. */
+/* Reversing Y also reverses rotations about X and Z. No document states the order of rotations; yaw, then
+ * pitch, then roll is usual for heads. */
 static bool head_pose(const struct trk_hid_values *values, const struct trk_screen *screen,
                       struct trk_sample *sample)
 {
@@ -136,7 +136,7 @@ static bool head_pose(const struct trk_hid_values *values, const struct trk_scre
     return true;
 }
 
-/* The rays are in the world so far; a sample has them in the head frame. */
+/* Convert a point or a direction from the world, where it was computed, to the head frame of a sample. */
 static void into_head(const struct trk_sample *sample, bool is_point, float v[3])
 {
     versor head;

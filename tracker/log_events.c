@@ -1,5 +1,5 @@
-/* The events of a whole log. Every sample gets a label, later samples correct the labels of earlier ones, and
- * runs of the same label are events. */
+/* Finds the events of a whole log. Every sample gets a label, later samples correct the labels of earlier
+ * ones, and each run of equal labels is an event. */
 #include "events.h"
 #include "gaze.h"
 
@@ -8,13 +8,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NEAR = 3 }; /* samples averaged at either end of a saccade */
+enum { NEAR = 3 }; /* how many samples are averaged at each end of a saccade */
 
 struct scan {
     const struct trk_log *log;
     size_t count;
-    unsigned char *label; /* a trk_state for every sample; TRK_FALLBACK: none */
-    float (*world)[3];    /* gaze in the world; all 0 where there is none */
+    unsigned char *label; /* one trk_state per sample; TRK_FALLBACK: no gaze */
+    float (*world)[3];    /* gaze in the world; all 0 if there is none */
 };
 
 static bool seen(const struct scan *scan, size_t i)
@@ -28,7 +28,7 @@ static uint64_t time_of(const struct scan *scan, size_t i)
     return trk_log_time(scan->log, i);
 }
 
-/* A saccade includes the samples before its onset showed in which the eye was on its way already. */
+/* Extend a saccade backwards over samples in which the eye was already moving before the onset showed. */
 static void backdate(struct scan *scan, const struct trk_classifier *c, size_t onset)
 {
     double still_deg = 3 * c->noise_deg;
@@ -56,13 +56,13 @@ static void classify(struct scan *scan, double *out_noise_deg)
         scan->label[i] = later ? trk_classify(&c, time_of(scan, i), head, scan->world[i]) : c.state;
         if (c.state == TRK_SACCADE && before != TRK_SACCADE) backdate(scan, &c, i);
         if (c.state != TRK_SACCADE && before == TRK_SACCADE && last != SIZE_MAX && c.count > 1)
-            scan->label[last] = c.state; /* at rest already */
+            scan->label[last] = c.state; /* it was already at rest */
         last = i;
     }
     *out_noise_deg = c.noise_deg;
 }
 
-/* Mean direction of up to NEAR seen samples, from i on in steps of +1 or -1. */
+/* Mean direction of up to NEAR samples with gaze, from i on, in steps of +1 or -1. */
 static bool mean_from(const struct scan *scan, size_t i, int step, float out[3])
 {
     vec3 sum = {0};
@@ -77,7 +77,7 @@ static bool mean_from(const struct scan *scan, size_t i, int step, float out[3])
     return true;
 }
 
-/* No eye is seen from sample first to last: bridge the gap, or label it as a blink or a loss. */
+/* No eye is seen from sample first to sample last: bridge the gap, or label it as a blink or a loss. */
 static void name_gap(struct scan *scan, size_t first, size_t last)
 {
     uint64_t start_ns = time_of(scan, first ? first - 1 : first);
@@ -124,7 +124,7 @@ static size_t run_end(const struct scan *scan, size_t first)
     return last;
 }
 
-/* A blink includes the samples around it that the moving lid disturbs, but no other blink or loss. */
+/* Extend blinks over the samples that the moving lid disturbs, but not over other blinks or losses. */
 static void widen_blinks(struct scan *scan)
 {
     for (size_t i = 0; i < scan->count; i++) {
@@ -141,7 +141,7 @@ static void widen_blinks(struct scan *scan)
     }
 }
 
-/* A saccade that leads nowhere belongs to the fixation around it. */
+/* A saccade that ends where it began belongs to the fixation around it. */
 static void dissolve_jitter(struct scan *scan)
 {
     for (size_t i = 0; i < scan->count; i++) {
@@ -155,7 +155,8 @@ static void dissolve_jitter(struct scan *scan)
     }
 }
 
-/* The mean of a fixation; else the gaze at the end of the event: of a saccade, of the samples after it. */
+/* The direction of a fixation is its mean. That of another event is the gaze at its end, for a saccade in the
+ * samples that follow it. */
 static void find_direction(const struct scan *scan, struct trk_event *event)
 {
     const bool jump = event->type == TRK_SACCADE;
@@ -168,8 +169,8 @@ static void find_direction(const struct scan *scan, struct trk_event *event)
     glm_vec3_normalize_to(sum, event->direction);
 }
 
-/* Returns how many events there are; out may be NULL. A silence of the tracker between two samples is a loss
- * without samples of its own. */
+/* List the events, and return how many there are. out may be NULL. When the tracker sends nothing between two
+ * samples, that is a loss without samples of its own. */
 static size_t list(const struct scan *scan, struct trk_event *out)
 {
     size_t count = 0;

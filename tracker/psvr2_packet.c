@@ -1,16 +1,16 @@
-/* Gaze packets on vendor USB: the layout, and the conversion into our frame. */
+/* Gaze packets of vendor USB devices: the layout, and the conversion to our frame. */
 #include "psvr2_packet.h"
 
 #include <math.h>
 #include <string.h>
 
-/* 328 bytes; the last four, a convergence distance, came with newer firmware. The headset's frame is turned
- * by 180 degrees about Y from ours. */
+/* Packets have 328 bytes; the last four, a convergence distance, came with newer firmware. The headset's
+ * frame is ours turned by 180 degrees about Y. */
 const struct trk_packet_layout trk_psvr2_layout = {
     .magic = "GS",
     .magic_size = 2,
     .smallest = 324,
-    .clock = 0x050, /* the low half of 64 bits, of which not all firmware is known to fill the high one */
+    .clock = 0x050, /* low half of 64 bits; some firmware may leave the high half empty */
     .clock_tick_ns = 1000,
     .eye = {0x05c, 0x0a4},
     .origin_valid = 0x00,
@@ -28,7 +28,7 @@ const struct trk_packet_layout trk_psvr2_layout = {
     .axes = {-1, 1, -1},
 };
 
-/* Eyes are not farther from the middle of the headset than this, and pupils not wider. */
+/* An eye that is farther from the middle of the headset, or a pupil that is wider, is invalid. */
 static const float farthest_m = 0.5f, widest_mm = 15;
 
 /* A direction whose length differs from 1 by more than this is invalid. */
@@ -47,7 +47,7 @@ static float take_float(const uint8_t *bytes)
     return value;
 }
 
-/* A vector in our frame; returns its length. */
+/* Read a vector and convert it to our frame. Returns its length. */
 static float take_vector(const struct trk_packet_layout *layout, const uint8_t *bytes, float unit,
                          float out[3])
 {

@@ -1,4 +1,4 @@
-/* The file that keeps the rotation of recentring. It is two lines of text. */
+/* The file that keeps the rotation of recentring: two lines of text. */
 #include "tracker.h"
 
 #include "error.h"

@@ -1,8 +1,8 @@
-/* The recorder: samples go into a queue, and a thread of its own writes them to the disk.
+/* The recorder: samples go into a queue, and a thread of the recorder's own writes them to the disk.
  *
- * It writes several whole rows at a time, so that a crash of the program leaves whole rows. Only a crash of
- * the machine can tear the last row, which the reader leaves out. trk_recorder_append() never waits for a
- * write. What the disk does not take stays in the queue, and is written again later. */
+ * The thread writes several whole rows at a time, so that a crash of the program leaves whole rows. Only a
+ * crash of the machine can cut the last row; the reader leaves such a row out. trk_recorder_append() never
+ * waits for a write. Samples that the disk does not take stay in the queue and are written later. */
 #include "tracker.h"
 
 #include "error.h"
@@ -25,12 +25,12 @@ enum { QUEUE = 4096, BATCH = 64 };
 static const uint64_t write_period_ns = 100000000, sync_period_ns = 1000000000;
 
 struct trk_recorder {
-    /* The writer's alone, until it has ended. */
+    /* Only the writing thread uses these until it has ended. */
     int fd;
     char *path;
-    off_t size;        /* of whole rows that are in the file */
-    uint64_t unsynced; /* rows that may not be on the disk */
-    uint64_t sync_ns;  /* when all of them last were */
+    off_t size;        /* bytes of whole rows in the file */
+    uint64_t unsynced; /* rows in the file that may not be on the disk */
+    uint64_t sync_ns;  /* when all rows were last on the disk */
     char text[BATCH * TRK_OWN_SIZE];
 
     pthread_t thread;
@@ -38,7 +38,7 @@ struct trk_recorder {
     pthread_mutex_t lock;   /* of all that follows */
     bool closing;
     struct trk_recorder_status status;
-    struct trk_sample newest; /* the last one accepted; sequence 0: none yet */
+    struct trk_sample newest; /* the last accepted sample; sequence 0: none yet */
     uint64_t accepted;
     size_t first, count; /* of the queue */
     struct trk_sample queue[QUEUE];
@@ -72,7 +72,8 @@ static bool write_text(struct trk_recorder *r, size_t length)
     return true;
 }
 
-/* Rows that did not reach the disk may be gone, whatever the file seems to hold. */
+/* Flush the file to the disk. If that fails, the rows since the last time may be lost, even if the file seems
+ * to hold them. */
 static void sync_to_disk(struct trk_recorder *r)
 {
     if (r->unsynced > 0 && fdatasync(r->fd) != 0) {
@@ -87,8 +88,8 @@ static void sync_to_disk(struct trk_recorder *r)
     r->sync_ns = trk_now_ns();
 }
 
-/* Wait until there is enough to write, and turn a batch into text. Its samples stay in the queue. False when
- * the recorder is being closed and the queue is empty. */
+/* Wait until there is enough to write, and turn a batch of samples into text. The samples stay in the queue.
+ * Returns false when the recorder is being closed and the queue is empty. */
 static bool take_batch(struct trk_recorder *r, bool again, size_t *out_count, size_t *out_length)
 {
     uint64_t wake_ns = trk_now_ns() + write_period_ns;
@@ -99,7 +100,7 @@ static bool take_batch(struct trk_recorder *r, bool again, size_t *out_count, si
     size_t n = r->count < BATCH ? r->count : BATCH, first = r->first;
     bool more = n > 0 || !r->closing;
     pthread_mutex_unlock(&r->lock);
-    /* Only this thread takes anything off the queue. */
+    /* No lock is needed, because only this thread removes samples from the queue. */
     for (size_t i = 0; i < n; i++)
         length += trk_own_row(&r->queue[(first + i) % QUEUE], true, r->text + length);
     *out_count = n;
@@ -107,8 +108,8 @@ static bool take_batch(struct trk_recorder *r, bool again, size_t *out_count, si
     return more;
 }
 
-/* Remove a batch that was written from the queue; when the recorder is being closed, remove also what cannot
- * be written. True if there is another batch. */
+/* Remove a written batch from the queue. When the recorder is being closed, also give up what cannot be
+ * written. Returns true if there is another full batch. */
 static bool settle_batch(struct trk_recorder *r, size_t count, int error)
 {
     pthread_mutex_lock(&r->lock);
@@ -133,7 +134,7 @@ static void *write_all(void *argument)
 {
     struct trk_recorder *r = argument;
     size_t count, length;
-    bool again = false; /* a full batch was left in the queue */
+    bool again = false; /* the queue still holds a full batch */
     while (take_batch(r, again, &count, &length)) {
         again = false;
         if (count > 0) {
@@ -149,7 +150,7 @@ static void *write_all(void *argument)
 
 /* --- the caller's side --- */
 
-/* The program's other threads handle signals. */
+/* Start the thread with all signals blocked: the program's other threads handle signals. */
 static bool start(struct trk_recorder *r)
 {
     sigset_t all, before;
@@ -200,7 +201,7 @@ struct trk_recorder *trk_recorder_start(int fd, const char *path, char out_error
     return NULL;
 }
 
-/* Would trk_log_append() take the sample? */
+/* Would trk_log_append() accept the sample? */
 static bool fits(const struct trk_recorder *r, const struct trk_sample *sample)
 {
     return sample->sequence > r->newest.sequence && sample->device_ns >= r->newest.device_ns &&

@@ -1,4 +1,4 @@
-/* What the operating system does for this folder: it tells the time, wakes threads, and runs them soon. */
+/* What the operating system provides: the time, waiting, and prompt scheduling. */
 #include "system.h"
 
 #include "tracker.h"
@@ -9,7 +9,7 @@
 #include <time.h>
 #include <unistd.h>
 
-/* The shortest slice of time that Linux grants. */
+/* The shortest time slice that Linux grants. */
 static const uint64_t prompt_slice_ns = 100000;
 
 uint64_t trk_now_ns(void)
@@ -34,11 +34,11 @@ bool trk_condition_wait(pthread_cond_t *condition, pthread_mutex_t *lock, uint64
     return pthread_cond_timedwait(condition, lock, &end) != ETIMEDOUT;
 }
 
-/* Of two threads that could run, the kernel takes the one whose slice of time ends sooner. A short slice does
- * not give a thread more of the processor; it gives it sooner. */
+/* Of two threads that are ready to run, the kernel takes the one whose time slice ends sooner. A short slice
+ * does not give a thread more processor time, but gives it sooner. */
 void trk_be_prompt(void)
 {
-    struct { /* struct sched_attr: the headers of some systems cannot be included beside sched.h */
+    struct { /* struct sched_attr; some systems' headers for it clash with sched.h */
         uint32_t size, policy;
         uint64_t flags;
         int32_t nice;

@@ -1,4 +1,4 @@
-/* The switch from the replay to the eye tracker, which happens once. */
+/* The source that switches once, from a replay to an eye tracker. */
 #include "source/auto.h"
 
 #include "source/device.h"
@@ -12,10 +12,10 @@ struct auto_source {
     struct trk_source source;
     struct trk_source *replay, *device;
     atomic_bool interrupted;
-    atomic_bool taken_up; /* by the reader: the device delivers */
-    /* The rest is the reader's. */
+    atomic_bool taken_up; /* set by the reader: samples are the device's */
+    /* Only the reader uses the rest. */
     bool ended; /* the replay */
-    /* Where the replay left off: the device's numbers and times go on from there. */
+    /* Where the replay stopped. The device's sequence and times continue from there. */
     uint64_t sequence, device_ns, arrival_ns, first_ns;
     bool has_first;
 };
@@ -38,8 +38,8 @@ static void go_on(struct auto_source *both, struct trk_sample *sample)
     sample->device_ns += both->device_ns - both->first_ns;
 }
 
-/* A wait for the replay or the device ends by trk_interrupt(). The flags tell whether the caller interrupted
- * it, or the device. */
+/* trk_interrupt() ends a wait for the replay or the device. The flags tell whether the caller interrupted it,
+ * or the device. */
 static enum trk_result auto_read(struct trk_source *source, uint64_t until_ns, struct trk_sample *out_sample,
                                  char out_error[TRK_ERROR_SIZE])
 {
@@ -82,7 +82,7 @@ static void auto_status(struct trk_source *source, struct trk_status *out_status
     struct auto_source *both = (struct auto_source *)source;
     bool taken_up = atomic_load(&both->taken_up);
     trk_get_status(both->device, out_status);
-    out_status->changes += taken_up; /* that alone changes the description */
+    out_status->changes += taken_up; /* the switch changes the description once */
     if (taken_up) return;
     memcpy(out_status->description, source->description, sizeof source->description);
     out_status->is_device = false;
@@ -91,7 +91,7 @@ static void auto_status(struct trk_source *source, struct trk_status *out_status
 static void auto_close(struct trk_source *source)
 {
     struct auto_source *both = (struct auto_source *)source;
-    trk_close(both->device); /* first: its thread interrupts the replay */
+    trk_close(both->device); /* the device first, because its thread interrupts the replay */
     trk_close(both->replay);
     trk_source_destroy(source);
 }

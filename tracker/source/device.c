@@ -11,14 +11,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How often to search for a device: every second, and every tenth of one for three seconds after it went, for
- * its plug may only be loose. */
+/* How often to search for a device: every second; and every tenth of a second for three seconds after a
+ * device has gone, because its plug may only be loose. */
 static const uint64_t search_ns = 1000000000, search_soon_ns = 100000000, soon_ns = 3000000000;
 
-/* No step of a device lasts longer, so that closing does not. */
+/* No step of a device lasts longer, so closing does not take longer either. */
 enum { STEP_MS = 20 };
 
-/* A device that has sent nothing for so many of its periods has lost the eyes. */
+/* A device that has sent nothing for this many of its periods has lost the eyes. */
 static const double silent_periods = 5;
 static const double shortest_silence_ns = 20e6, longest_silence_ns = 500e6, usual_period_ns = 1e9 / 60;
 
@@ -26,25 +26,24 @@ static const double period_weight = 1.0 / 32;
 
 struct trk_device {
     struct trk_source source;
-    const struct trk_source_row *const *rows; /* those of devices are tried in turn */
+    const struct trk_source_row *const *rows; /* the rows that are devices are tried in turn */
     int count;
     char *path, *calibration;
     struct trk_source_options options;
     pthread_t thread;
     bool has_thread;
 
-    /* Only the thread uses these; before it starts, whoever opens the device. */
-    const struct trk_source_row *row; /* of the device that was opened last */
+    /* Only the thread uses these, and before it starts only trk_device_open(). */
+    const struct trk_source_row *row; /* row of the device that was opened last */
     void *handle;                     /* NULL: none is open */
     struct trk_device_facts facts;
     struct trk_clock clock;
-    double period_ns; /* measured; 0 before there are two samples */
-    uint64_t base_ns,
-        opened_ns;       /* device_ns at the first sample since it was opened, and that one's arrival */
-    uint64_t arrival_ns; /* of the last sample; 0: none since it was opened */
-    uint64_t gone_ns;    /* when it was unplugged; 0: never */
+    double period_ns;            /* measured; 0 until there are two samples */
+    uint64_t base_ns, opened_ns; /* device_ns and arrival of the first sample since it was opened */
+    uint64_t arrival_ns;         /* of the last sample; 0: none since the device was opened */
+    uint64_t gone_ns;            /* when a device was last unplugged; 0: never */
     bool silent;
-    char problem[TRK_ERROR_SIZE]; /* why it is not open, or "" */
+    char problem[TRK_ERROR_SIZE]; /* why no device is open, or "" */
 
     /* Under source.lock. */
     pthread_cond_t stopping; /* on CLOCK_MONOTONIC */
@@ -52,7 +51,7 @@ struct trk_device {
     struct trk_ring ring;
     uint64_t sequence, device_ns, last_arrival_ns;
     struct trk_status status;
-    struct trk_source *held_for; /* NULL: samples are for the reader */
+    struct trk_source *held_for; /* samples are held back for this source; NULL: the reader gets them */
     bool seen;
 };
 
@@ -115,7 +114,8 @@ void trk_device_deliver(struct trk_device *device, const struct trk_sample *samp
     copy.arrival_ns = arrival_ns;
     copy.sensor_ns = 0;
     if (!device->arrival_ns) {
-        /* Device time goes on after the last sample of the device before, as if it had run meanwhile. */
+        /* Device time continues after the last sample of the former device, as if its clock had kept running.
+         */
         if (device->sequence) device->base_ns = device->device_ns + arrival_ns - device->last_arrival_ns;
         device->opened_ns = arrival_ns;
     } else if (!device->silent) {
@@ -131,7 +131,7 @@ void trk_device_deliver(struct trk_device *device, const struct trk_sample *samp
     put(device, &copy);
 }
 
-/* Deliver a sample that says that gaze is lost. */
+/* Deliver a sample without a gaze, because the device is silent or has gone. */
 static void deliver_loss(struct trk_device *device, uint64_t now_ns)
 {
     if (!device->arrival_ns || device->silent) return;
@@ -155,7 +155,8 @@ void trk_device_news(struct trk_device *device, double rate_hz, const char *rema
     set_description(device);
 }
 
-/* How long a device may be silent: some periods of its nominal or its measured rate, whichever is slower. */
+/* How long a device may be silent: several periods of its nominal or its measured rate, whichever is slower.
+ */
 static uint64_t patience_ns(const struct trk_device *device)
 {
     double period_ns = device->period_ns;
@@ -166,7 +167,8 @@ static uint64_t patience_ns(const struct trk_device *device)
 
 /* --- plugging --- */
 
-/* Open the first device that works. out_error gets the first reason why another could not be opened. */
+/* Open the first device that works. out_error says why the first one that did not work could not be opened;
+ * "" if there is none. */
 static bool search(struct trk_device *device, char out_error[TRK_ERROR_SIZE])
 {
     char error[TRK_ERROR_SIZE];
@@ -214,12 +216,12 @@ static void step(struct trk_device *device)
         unplug(device);
         return;
     }
-    /* Only when nothing is left to read: a late thread is not a silent device. */
+    /* The device is silent only if there was nothing to read: the thread may just be late. */
     if (listening && device->arrival_ns == before_ns && (now_ns = trk_now_ns()) >= end_ns)
         deliver_loss(device, now_ns);
 }
 
-/* Wait until the next search or the end. */
+/* Wait until the next search, or until the source is closed. */
 static void rest(struct trk_device *device)
 {
     uint64_t now_ns = trk_now_ns();

@@ -19,18 +19,18 @@
 
 enum { PAGE = 0x12, EYE_TRACKER = 0x01, MAX_NODES = 16, MAX_REPORT = 1 + TRK_HID_MAX_REPORT_BITS / 8 };
 
-/* A usual desk: 24 inches, 16 to 9. */
+/* The screen of a usual desk: 24 inches, 16:9. */
 static const struct trk_screen usual_screen = {.width_m = 0.531f, .height_m = 0.299f, .distance_m = 0.65f};
 static const double smallest_m = 0.01, largest_m = 20, fastest_hz = 20000;
 
-/* A device that takes longer than this to answer one request gets no more of them. */
+/* If a device takes longer than this to answer a request, no more requests are sent. */
 static const uint64_t slow_ns = 1000000000;
 
 static const char no_access[] =
     "%s (%s): %s; install 70-fovead.rules into /etc/udev/rules.d or /lib/udev/rules.d, add a line "
     "for %04x:%04x if it has none, and plug it in again";
 
-struct node { /* an eye tracker in the file system */
+struct node { /* an eye tracker's device node */
     char path[256], name[160];
     uint16_t vendor, product;
 };
@@ -40,18 +40,18 @@ struct hid {
     hid_device *handle;
     struct trk_hid_layout layout;
     struct trk_screen screen;
-    uint8_t gaze_report; /* in which gaze is */
+    uint8_t gaze_report; /* id of the report with gaze */
     bool has_clock;
-    struct trk_hid_values features; /* what was read of them all at the start */
+    struct trk_hid_values features; /* all features that were read when it was opened */
     uint8_t report[MAX_REPORT];
 };
 
-/* hidapi keeps its last error and whether it was initialised in globals of its own. */
+/* For hidapi, which keeps its last error and whether it was initialised in global variables. */
 static pthread_mutex_t hidapi_lock = PTHREAD_MUTEX_INITIALIZER;
 
-/* --- what is there --- */
+/* --- finding --- */
 
-/* Names come from the device, in any script; what is not printable ASCII is of no use in a line. */
+/* Append a name that the device states in any script. Characters that are not printable ASCII become '?'. */
 static void append_name(char *out, size_t size, const wchar_t *text)
 {
     size_t length = strlen(out);
@@ -62,7 +62,7 @@ static void append_name(char *out, size_t size, const wchar_t *text)
     out[length] = '\0';
 }
 
-/* hidapi lists one entry for every collection: only the tracker's own counts, and each path once. */
+/* hidapi lists one entry per collection. Find those of eye trackers, each path once. */
 static size_t find_nodes(struct node out_nodes[MAX_NODES])
 {
     size_t nodes = 0;
@@ -87,8 +87,8 @@ static size_t find_nodes(struct node out_nodes[MAX_NODES])
     return nodes;
 }
 
-/* hidapi 0.13 cannot read a report descriptor. sysfs needs no rights and disturbs nobody; the ioctl is for
- * systems without it. */
+/* Read the report descriptor, which hidapi 0.13 cannot. sysfs needs no permission and does not disturb the
+ * device; the ioctl is for systems without sysfs. */
 static ssize_t read_descriptor(const char *path, uint8_t out[TRK_HID_MAX_DESCRIPTOR])
 {
     char name[320];
@@ -151,7 +151,7 @@ static void describe_abilities(const struct trk_hid_layout *layout, char *out, s
                 trk_hid_find(layout, TRK_HID_INPUT, TRK_HID_TURN_X);
     snprintf(out, size, "gaze point on a screen%s%s%s%s", eyes ? ", eye positions" : "",
              head ? ", head pose" : "",
-             layout->has_unknown_turn ? ", head position (its rotation is in no unit of angle)" : "",
+             layout->has_unknown_turn ? ", head position (the unit of its rotation is not an angle)" : "",
              trk_hid_find(layout, TRK_HID_INPUT, TRK_HID_TIMESTAMP) ? ", device clock" : "");
 }
 
@@ -175,7 +175,7 @@ static size_t hid_list(struct trk_device_info *out_devices, size_t room)
 
 /* --- opening --- */
 
-/* Read every feature report that holds a quantity of use, once each. A device need not answer. */
+/* Read each feature report that holds a known quantity once. A device need not answer. */
 static void read_features(struct hid *hid)
 {
     const struct trk_hid_layout *layout = &hid->layout;
@@ -191,7 +191,7 @@ static void read_features(struct hid *hid)
         int size = hid_get_feature_report(hid->handle, hid->report,
                                           1u + (layout->bits[TRK_HID_FEATURE][field->report] + 7u) / 8);
         struct trk_hid_values values;
-        /* The first byte is the report's id even where there are none. */
+        /* The first byte is an id even if reports are not numbered. */
         size_t skip = !layout->numbered;
         if (size > 0 &&
             trk_hid_decode(layout, TRK_HID_FEATURE, hid->report + skip, (size_t)size - skip, &values))
@@ -204,8 +204,8 @@ static void read_features(struct hid *hid)
     }
 }
 
-/* Ask for all that the device can send, or for nothing. A device may not know the request, and send anyway.
- */
+/* Ask for everything that the device can send, or for nothing. A device may not know the request and send
+ * anyway. */
 static void request_mode(struct hid *hid, uint64_t mode)
 {
     const struct trk_hid_field *field = trk_hid_find(&hid->layout, TRK_HID_FEATURE, TRK_HID_MODE);
@@ -222,7 +222,7 @@ static double feature(const struct hid *hid, enum trk_hid_quantity quantity)
     return hid->features.has >> quantity & 1 ? hid->features.value[quantity] : 0;
 }
 
-/* Take the screen from the options, else from the device, else a usual one. Returns which of them it was. */
+/* Take the screen from the options, else from the device, else a usual one. Returns which of them it is. */
 static const char *choose_screen(struct hid *hid, const struct trk_screen *wanted)
 {
     double width_m = feature(hid, TRK_HID_WIDTH), height_m = feature(hid, TRK_HID_HEIGHT);
@@ -234,7 +234,7 @@ static const char *choose_screen(struct hid *hid, const struct trk_screen *wante
     if (is_wanted)
         hid->screen = (struct trk_screen){wanted->width_m, wanted->height_m, usual_screen.distance_m};
     if (wanted->distance_m > 0) hid->screen.distance_m = wanted->distance_m;
-    return is_wanted ? "as told" : is_sane ? "calibrated" : "assumed";
+    return is_wanted ? "as given" : is_sane ? "calibrated" : "assumed";
 }
 
 static const char *status_remark(double status)

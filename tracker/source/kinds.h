@@ -1,5 +1,5 @@
-/* kinds: the table of gaze sources. A row is in the file of its source, but for that of auto, which chooses
- * among the others: see sources.c. */
+/* kinds: the table of gaze sources. Each row is in the file of its source. The row of auto, which chooses
+ * among the others, is in sources.c. */
 #ifndef FOVEAD_TRACKER_KINDS_H
 #define FOVEAD_TRACKER_KINDS_H
 

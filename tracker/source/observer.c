@@ -1,57 +1,62 @@
-/* The synthetic observer: the model and its constants. */
+/* The model of the synthetic observer, and its constants. */
 #include "source/observer.h"
 
 #include <cglm/cglm.h>
 #include <math.h>
 #include <string.h>
 
-/* Fixations last lognormally: mean 275 ms, the middle of the usual 250 to 300 ms of scene viewing. */
+/* The lengths of fixations are lognormal. Their mean is in the middle of the usual 250 to 300 ms of scene
+ * viewing. */
 static const double fixation_mean_s = 0.275, fixation_sigma = 0.4;
 
-/* Main sequence, Dai et al. 2016, defaults: Vp = eta (1 - exp(-A / c)). */
+/* Main sequence with the defaults of Dai et al. 2016: Vp = eta (1 - exp(-A / c)). */
 static const double saccade_eta = 600, saccade_c = 6;
-/* The closed form never quite starts or ends; 25 ms outside it is within 0.02 degrees of its ends. */
+/* The closed form never quite starts or ends. 25 ms before and after, it is within 0.02 degrees of its ends.
+ */
 static const double saccade_tail_s = 0.025;
 static const double onset_deg_s = 30;
 
-/* Saccade amplitudes: exponential with a mean of 5 to 8 degrees in free viewing, rarely beyond 30. */
+/* Saccade amplitudes are exponential, with a mean of 5 to 8 degrees in free viewing, and rarely exceed 30. */
 static const double amplitude_mean_deg = 6.5, amplitude_max_deg = 30;
 /* Gaze in panoramas stays near the equator (Sitzmann et al. 2018, "Saliency in VR") and explores along it:
- * saccades spread about the horizontal, keep their sense for a few, and landing far up or down is less
- * likely. */
+ * the directions of saccades spread around the horizontal, several saccades go the same way, and targets far
+ * up or down are less likely. */
 static const double bearing_sigma_deg = 35, turn_probability = 0.15, elevation_sigma_deg = 25;
 static const int saccade_tries = 16;
 
-/* The eye turns some 50 degrees in its socket at most (Guitton and Volle 1987). The head follows when gaze
- * goes beyond 20 degrees from where the head is bound, and takes most of the way. */
+/* The eye turns at most about 50 degrees in its socket (Guitton and Volle 1987). When gaze goes more than 20
+ * degrees away from where the head is going, the head follows most of the way. */
 static const double oculomotor_range_deg = 50, head_follows_deg = 20, head_share = 0.8;
-/* Time constant of 1/8 s: a 40 degree head movement peaks at 120 deg/s and takes half a second. */
+/* A time constant of 1/8 s: a head movement of 40 degrees peaks at 120 deg/s and takes half a second. */
 static const double head_rate = 8;
-/* The eyes turn about the neck: 0.075 m above and 0.080 m before it (Google Cardboard's neck model). */
+/* The head turns about the neck: the eyes are 0.075 m above and 0.080 m in front of it (Google Cardboard's
+ * neck model). */
 static const float neck_up_m = 0.075f, neck_forward_m = 0.080f;
 static const float half_ipd_m = 0.0315f; /* Dodgson 2004: mean 63 mm */
 
-/* Drift as a random walk of 30 square arc minutes a second; one to two microsaccades a second, 14 to 38 arc
- * minutes, which bring gaze back to near the target. */
+/* Drift is a random walk of 30 square arc minutes per second. Microsaccades of 14 to 38 arc minutes, one or
+ * two per second, bring gaze back near the target. */
 static const double drift_arcmin2_per_s = 30, microsaccade_hz = 1.5, microsaccade_deg = 0.3;
 
-/* Tracker: white noise of 0.2 deg rms from sample to sample in the combined gaze (twice the deviation of an
- * axis), and a calibration bias of 0.7 deg rms that wanders within 20 s. */
+/* The tracker adds white noise of 0.2 deg rms from sample to sample to the combined gaze (twice the standard
+ * deviation of each axis), and a calibration bias of 0.7 deg rms that wanders within 20 s. */
 static const double noise_s2s_deg = 0.2, bias_rms_deg = 0.7, bias_time_s = 20;
-/* Resolution of the numbers that it reports. A ten-thousandth of a degree would be too fine to matter. */
+/* How many steps per unit the reported numbers have. The steps of directions, 0.0006 degrees, are too fine to
+ * matter. */
 static const double unit_steps = 1e5, metre_steps = 1e4, scalar_steps = 100;
 
-/* How often something hides the eye, and for how long: one in period_s on average, pause_s apart at least. */
+/* How often something hides the eye, and for how long: one spell per period_s on average, at least pause_s
+ * apart, of min_s to max_s. */
 struct habit {
     double period_s, pause_s, min_s, max_s;
 };
 
-/* Blinks: 15 a minute, of 100 to 400 ms, at least a second apart. The lid goes down in the first third and up
- * again in the last half; the pupil is hidden while less than half of it is open. */
+/* Blinks: 15 per minute, of 100 to 400 ms, at least a second apart. The lid goes down in the first third and
+ * up in the last half. The tracker sees the pupil while the eye is at least half open. */
 static const struct habit blinks = {.period_s = 4, .pause_s = 1, .min_s = 0.1, .max_s = 0.4};
 static const double blink_down = 0.3, blink_up = 0.55, hidden_openness = 0.5;
 
-/* Drop-outs: the tracker loses both eyes about six times a minute for 1 to 6 samples. */
+/* Drop-outs: about six times per minute the tracker loses both eyes for 1 to 6 samples. */
 static const struct habit dropouts = {.period_s = 10, .min_s = 0.005, .max_s = 0.05};
 
 static const double pupil_mean_mm = 3.5, pupil_rms_mm = 0.3, pupil_time_s = 5;
@@ -63,7 +68,8 @@ static const uint32_t all_bits = TRK_DIRECTION | TRK_ORIGIN | TRK_HEAD | TRK_LEF
 
 /* --- chance --- */
 
-/* In (0, 1). SplitMix64 (Steele, Lea and Flood 2014): any seed will do, also neighbouring ones. */
+/* A random number in (0, 1). SplitMix64 (Steele, Lea and Flood 2014): every seed is good, even next to
+ * another one. */
 static double uniform(struct trk_observer *o)
 {
     uint64_t z = o->random += 0x9e3779b97f4a7c15;
@@ -90,7 +96,7 @@ static double between(struct trk_observer *o, double low, double high)
     return low + (high - low) * uniform(o);
 }
 
-/* One sample's step of an Ornstein-Uhlenbeck process about zero with this rms and time constant. */
+/* One sample's step of an Ornstein-Uhlenbeck process around zero with this rms and time constant. */
 static double wander(struct trk_observer *o, double value, double rms, double time_s)
 {
     double keep = exp(-1 / (time_s * o->rate_hz));
@@ -99,7 +105,7 @@ static double wander(struct trk_observer *o, double value, double rms, double ti
 
 /* --- directions --- */
 
-/* Right and up as seen when looking along a direction. */
+/* The right and the up direction of someone who looks along a direction. */
 static void tangents(vec3 direction, vec3 out_right, vec3 out_up)
 {
     glm_vec3_cross(direction, GLM_YUP, out_right);
@@ -108,7 +114,7 @@ static void tangents(vec3 direction, vec3 out_right, vec3 out_up)
     glm_vec3_cross(out_right, direction, out_up);
 }
 
-/* A direction moved by small angles to the right and up. */
+/* Turn a direction by small angles to the right and up. */
 static void displace(vec3 direction, const double deg[2], vec3 out)
 {
     vec3 right, up;
@@ -141,7 +147,7 @@ static void head_pose(const double deg[2], versor out)
 
 /* --- gaze --- */
 
-/* Position of a point that starts to move with velocity 1 at t = 0, smoothly; Dai et al. 2016, eq. 5. */
+/* The position of a point that smoothly starts to move with velocity 1 at t = 0 (Dai et al. 2016, eq. 5). */
 static double smooth_ramp(double t)
 {
     return (t >= 0 ? t : 0) + 0.25 * exp(-2 * fabs(t));
@@ -158,8 +164,9 @@ double trk_saccade_s(double amplitude_deg)
     return amplitude_deg / saccade_eta + 2 * saccade_tail_s;
 }
 
-/* When the eye first moves at 30 deg/s, the usual threshold (Tobii XR Ocumen), after the start of the closed
- * form, whose ends are slow. Halved down to a microsecond; the middle is where it is fastest. */
+/* When the eye first reaches 30 deg/s, the usual threshold (Tobii XR Ocumen), after the slow start of the
+ * closed form. Found by bisection to a microsecond, between the start and the middle, where the eye is
+ * fastest. */
 static double saccade_onset_s(double amplitude_deg)
 {
     double low = 0, high = 0.5 * trk_saccade_s(amplitude_deg);
@@ -176,7 +183,7 @@ static double saccade_onset_s(double amplitude_deg)
 
 static void gaze_at(const struct trk_observer *o, double t_s, vec3 out)
 {
-    vec3 fixation, tangent; /* copies: cglm takes no const */
+    vec3 fixation, tangent; /* copies, because cglm takes no const */
     memcpy(fixation, o->fixation, sizeof fixation);
     memcpy(tangent, o->tangent, sizeof tangent);
     if (o->is_saccade)
@@ -195,7 +202,7 @@ static void begin_fixation(struct trk_observer *o)
     o->phase_end_s += exp(mu + fixation_sigma * normal(o));
 }
 
-/* Send the head most of the way to a target that is far from where the head is going already. */
+/* If a target is far from where the head is going, send the head most of the way to it. */
 static void send_head(struct trk_observer *o, vec3 target)
 {
     double yaw = remainder(atan2(-target[0], -target[2]) * 180 / M_PI - o->head_target_deg[0], 360);
@@ -205,9 +212,9 @@ static void send_head(struct trk_observer *o, vec3 target)
     o->head_target_deg[1] += head_share * pitch;
 }
 
-/* Draw targets until one is accepted: a target near the horizon almost always, one that the eye cannot reach
- * never. If none is accepted, the likeliest is taken; if none is in reach, gaze stays where it is until the
- * head has caught up. */
+/* Draw targets until one is accepted. A target near the horizon is almost always accepted, one that the eye
+ * cannot reach never. If none is accepted, take the most likely one. If none is in reach, gaze stays where it
+ * is until the head has caught up. */
 static void begin_saccade(struct trk_observer *o)
 {
     versor head;
@@ -258,7 +265,7 @@ static void drift(struct trk_observer *o)
             back ? 0.5 * microsaccade_deg * normal(o) : o->offset_deg[i] + step_deg * normal(o);
 }
 
-/* One sample's step of the critically damped approach to the target, exact for any step. */
+/* One sample's step of the critically damped approach to the target; exact for any step. */
 static void turn_head(struct trk_observer *o)
 {
     double dt = 1.0 / o->rate_hz, decay = exp(-head_rate * dt);
@@ -270,7 +277,7 @@ static void turn_head(struct trk_observer *o)
     }
 }
 
-/* --- what the tracker makes of it --- */
+/* --- what the tracker measures --- */
 
 static double openness_at(const struct trk_observer *o, double t_s)
 {
@@ -280,7 +287,7 @@ static double openness_at(const struct trk_observer *o, double t_s)
     return u < blink_up ? 0 : (u - blink_up) / (1 - blink_up);
 }
 
-/* When a spell is over, draw when the next one starts, and how long it will be. */
+/* When a spell is over, draw when the next one starts and how long it lasts. */
 static void renew(struct trk_observer *o, double t_s, const struct habit *habit, struct trk_spell *spell)
 {
     if (t_s < spell->start_s + spell->length_s) return;
@@ -288,7 +295,7 @@ static void renew(struct trk_observer *o, double t_s, const struct habit *habit,
     spell->length_s = between(o, habit->min_s, habit->max_s);
 }
 
-/* Rounded to whole steps, of which there are `steps` to the unit. Adding zero turns -0 to 0. */
+/* Round to whole steps, of which there are `steps` per unit. Adding zero turns -0 into 0. */
 static float round_to(double value, double steps)
 {
     return (float)(rint(value * steps) / steps + 0.0);
@@ -299,7 +306,8 @@ static void round_vector(vec3 v, double steps, float out[3])
     for (int i = 0; i < 3; i++) out[i] = round_to(v[i], steps);
 }
 
-/* Eyes look in parallel, since a panorama is far away; each has noise of its own, and their mean has less. */
+/* The eyes look in parallel, because a panorama is far away. Each eye has its own noise, so their mean has
+ * less. */
 static void measure_gaze(struct trk_observer *o, vec3 gaze, double openness, struct trk_sample *sample)
 {
     double eye_noise_deg = 0.5 * M_SQRT2 * o->noise_s2s_deg;
@@ -325,7 +333,7 @@ static void measure_head(versor head, struct trk_sample *sample)
 {
     vec3 neck_to_eyes = {0, neck_up_m, -neck_forward_m}, eyes;
     glm_quat_rotatev(head, neck_to_eyes, eyes);
-    glm_vec3_sub(eyes, neck_to_eyes, eyes); /* 0 when the head looks straight on */
+    glm_vec3_sub(eyes, neck_to_eyes, eyes); /* 0 when the head looks straight ahead */
     round_vector(eyes, metre_steps, sample->head);
     for (int i = 0; i < 4; i++) sample->head[3 + i] = round_to(head[i], unit_steps);
 }
@@ -349,7 +357,7 @@ void trk_observer_init_with(struct trk_observer *observer, uint64_t seed, uint64
     begin_fixation(observer);
 }
 
-/* What shows of the eye at this time; openness is 1 where a drop-out hides it. */
+/* Is the eye hidden at this time? The openness is 1 during a drop-out. */
 static bool is_hidden(const struct trk_observer *o, double t_s, double *out_openness)
 {
     *out_openness = 1;

@@ -9,7 +9,7 @@
 
 struct pointer {
     struct trk_source source;
-    /* all of these under source.lock */
+    /* All of these need source.lock. */
     struct trk_ring ring;
     uint64_t sequence, first_ns, last_ns;
 };
@@ -18,7 +18,7 @@ static void pointer_push(struct trk_source *source, const float direction[3], ui
 {
     struct pointer *pointer = (struct pointer *)source;
     pthread_mutex_lock(&source->lock);
-    /* Clients' clocks are only nearly one: time stands still rather than going back. */
+    /* The clocks of several clients differ a little: a time before the last one counts as the last one. */
     if (time_ns < pointer->last_ns) time_ns = pointer->last_ns;
     if (pointer->sequence == 0) pointer->first_ns = time_ns;
     pointer->last_ns = time_ns;

@@ -1,4 +1,4 @@
-/* A recorded log as a source: at the pace of its own timestamps or another, once or for ever. */
+/* A recorded log as a source, at the pace of its own timestamps or at another pace, once or in a loop. */
 #include "source/kinds.h"
 
 #include "error.h"
@@ -7,10 +7,11 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Speeds that keep a step of the longest log within 64 bits of nanoseconds, and a sample within a second. */
+/* With these speeds, a step of the longest log fits into 64 bits of nanoseconds, and a sample into a second.
+ */
 static const double slowest = 0.01, fastest = 1000;
 
-/* The step from the last sample to the first of the next lap when the log itself has no step: one of 120 Hz.
+/* If the log has no steps, this is the step from its last sample to the first of the next lap, as at 120 Hz.
  */
 static const uint64_t lone_step_ns = 8333333;
 
@@ -20,12 +21,12 @@ struct replay {
     struct trk_rate rate;
     bool loop;
     uint64_t first_ns, first_sequence; /* of the log's first sample */
-    uint64_t lap_ns, lap_sequence;     /* how far time and sequence go in a lap */
+    uint64_t lap_ns, lap_sequence;     /* how far time and sequence advance per lap */
     uint64_t lap;
     size_t next;
 };
 
-/* On the log's own clock: the last lap's end is a usual step after its last sample. */
+/* Measure a lap on the log's own clock. It ends one usual step after the last sample. */
 static void measure_lap(struct replay *replay)
 {
     const struct trk_log *log = &replay->log;
@@ -61,8 +62,8 @@ static void replay_close(struct trk_source *source)
     trk_source_destroy(source);
 }
 
-/* When the next sample is due, from the first read. Without pace it is due at once: now, or whatever the
- * virtual clock says. */
+/* Wait until the next sample is due, counted from the first read. Without pace it is due at once: now, or at
+ * the time of the virtual clock. */
 static enum trk_result wait_for_next(struct replay *replay, uint64_t log_ns, uint64_t until_ns,
                                      uint64_t *out_arrival_ns)
 {

@@ -1,7 +1,7 @@
-/* ring: samples that wait for a reader, of sources into which another thread puts them.
+/* ring: samples that wait for a reader, for sources that another thread fills.
  *
- * It holds about a second of a fast source. When the reader is later than that, the oldest sample is dropped,
- * and its sequence number with it: the reader sees the gap. Used under source->lock. */
+ * It holds about a second of a fast source. When the reader is later than that, the oldest sample is dropped
+ * with its sequence number, so the reader sees the gap. Used with source->lock held. */
 #ifndef FOVEAD_TRACKER_RING_H
 #define FOVEAD_TRACKER_RING_H
 
@@ -26,7 +26,7 @@ static inline void trk_ring_put(struct trk_ring *ring, const struct trk_sample *
     ring->sample[(ring->first + ring->count++) % TRK_RING] = *sample;
 }
 
-/* The oldest, which stays; NULL if there is none. */
+/* The oldest sample, which stays in the ring; NULL if there is none. */
 static inline const struct trk_sample *trk_ring_first(const struct trk_ring *ring)
 {
     return ring->count ? &ring->sample[ring->first] : NULL;

@@ -1,4 +1,4 @@
-/* What all sources share: their clock, the wait that an interrupt ends, and the functions of tracker.h that
+/* What all sources share: the clock, the wait that an interrupt ends, and the functions of tracker.h that
  * take an open source. */
 #include "source/source.h"
 
@@ -52,7 +52,7 @@ enum trk_result trk_source_pace(struct trk_source *source, uint64_t offset_ns, u
     return result;
 }
 
-/* --- what every caller goes through --- */
+/* --- functions of tracker.h --- */
 
 void trk_close(struct trk_source *source)
 {
@@ -68,7 +68,7 @@ enum trk_result trk_read(struct trk_source *source, uint64_t until_ns, struct tr
 bool trk_push(struct trk_source *source, const float direction[3], uint64_t time_ns)
 {
     if (!source->methods->push) return false;
-    /* In double: the squares of the largest and smallest floats still count. */
+    /* Use double, so that the squares of the largest and smallest floats neither overflow nor vanish. */
     double x = direction[0], y = direction[1], z = direction[2], length = sqrt(x * x + y * y + z * z);
     if (!isfinite(length) || length == 0) return false;
     source->methods->push(source, (float[3]){(float)(x / length), (float)(y / length), (float)(z / length)},

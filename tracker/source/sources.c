@@ -1,4 +1,4 @@
-/* The table of gaze sources, and how one is chosen from it: by name, or by what is plugged in. */
+/* The table of gaze sources, and how one of them is chosen: by name, or by what is plugged in. */
 #include "error.h"
 #include "source/auto.h"
 #include "source/device.h"
@@ -36,7 +36,7 @@ enum { ROWS = sizeof rows / sizeof *rows };
 
 /* --- by name --- */
 
-/* The place in the table of the row that a spec names; NULL if there is none. */
+/* The entry of the table that a spec names; NULL if there is none. */
 static const struct trk_source_row *const *find(const char *spec)
 {
     for (int i = 0; i < ROWS; i++) {
@@ -76,7 +76,7 @@ static bool is_screen(const struct trk_screen *screen)
     return (screen->width_m == 0) == (screen->height_m == 0);
 }
 
-/* Does this kind go with these options? */
+/* Can this kind be used with these options? */
 static bool check(const struct trk_source_kind *kind, const char *argument,
                   const struct trk_source_options *options, char out_error[TRK_ERROR_SIZE])
 {
@@ -95,7 +95,7 @@ static bool check(const struct trk_source_kind *kind, const char *argument,
     return true;
 }
 
-/* Open one kind of device, at path if that is not NULL. A device that is absent is waited for. */
+/* Open one kind of device, at path if that is not NULL. If the device is absent, the source waits for it. */
 static struct trk_source *open_device(const struct trk_source_row *const *row, const char *path,
                                       const struct trk_source_options *options,
                                       char out_error[TRK_ERROR_SIZE])
@@ -129,7 +129,7 @@ struct trk_source *trk_open(const struct trk_source_options *options, char out_e
 
 /* --- by what is plugged in --- */
 
-/* The first device that opens; without one the recording, a word on why, and a watch on what is plugged in.
+/* Open the first device that works. If there is none, replay the recording, say why, and wait for a device.
  */
 static struct trk_source *open_auto(const char *argument, const struct trk_source_options *options,
                                     char out_error[TRK_ERROR_SIZE])

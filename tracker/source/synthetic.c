@@ -13,7 +13,7 @@
 struct synthetic {
     struct trk_source source;
     struct trk_observer observer;
-    struct trk_sample next; /* drawn already, and not yet due */
+    struct trk_sample next; /* already drawn, but not due yet */
     bool has_next;
 };
 

@@ -1,5 +1,5 @@
-/* Eye trackers with a vendor's own USB interface, through libusb. So far there is one, the PlayStation VR2.
- * It is described by a row of the table below and by the layout of its packets. */
+/* Eye trackers with a vendor's own USB interface, through libusb. So far there is one, the PlayStation VR2. A
+ * tracker is described by a row of the table below and by the layout of its packets. */
 #include "source/device.h"
 
 #include "error.h"
@@ -15,12 +15,12 @@
 #include <unistd.h>
 
 enum {
-    TRANSFERS = 4,    /* in flight, so that none is missed while one is taken */
-    BUFFER = 16384,   /* a multiple of any packet size: less would overflow */
-    MAX_PACKET = 512, /* so many bytes of one are parsed */
+    TRANSFERS = 4,    /* in flight at once, so that no packet is missed while one is handled */
+    BUFFER = 16384,   /* a multiple of every packet size, or the transfer would overflow */
+    MAX_PACKET = 512, /* bytes of a packet that are parsed */
     MAX_CALIBRATION = 1 << 20,
-    MAX_ERRORS = 50,   /* in a row: it is gone, whatever the bus says */
-    PATIENCE_MS = 200, /* for an answer to a request */
+    MAX_ERRORS = 50,   /* in a row: the device has gone, whatever the bus says */
+    PATIENCE_MS = 200, /* to wait for the answer to a request */
 };
 static const uint64_t retry_ns = 10000000, cancel_ns = 2000000000;
 
@@ -28,8 +28,8 @@ struct usb_tracker {
     uint16_t vendor, product;
     const char *name, *abilities;
     int interface;
-    uint8_t in, out; /* bulk endpoints: of gaze packets, of the calibration */
-    /* The vendor request that starts the stream, which must be repeated, and the one that stops it. */
+    uint8_t in, out; /* bulk endpoints: in for gaze packets, out for calibration */
+    /* The vendor requests that start the stream, which must be repeated, and stop it. */
     uint8_t request_type, request;
     uint16_t value;
     uint8_t start[8], stop[8];
@@ -47,9 +47,9 @@ static const struct usb_tracker trackers[] = {
         .interface = 5,
         .in = 0x85,
         .out = 0x05,
-        .request_type = 0x42, /* to the device, vendor's, of an endpoint */
+        .request_type = 0x42, /* to the device, of the vendor, recipient endpoint */
         .request = 0x09,
-        .value = 0x000c, /* the report, which the payload names too */
+        .value = 0x000c, /* number of the report, which is also in the payload */
         .start = {0x0c, 0, 1, 0, 0, 0, 0, 0},
         .stop = {0x0c, 0, 2, 0, 0, 0, 0, 0},
         .again_ns = 1000000000,
@@ -64,18 +64,18 @@ struct usb {
     libusb_context *context;
     libusb_device_handle *handle;
     bool claimed, gone;
-    bool closing; /* nothing is delivered or submitted any more */
+    bool closing; /* from now on nothing is delivered or submitted */
     struct usb_transfer {
         struct usb *usb;
         struct libusb_transfer *transfer;
         uint8_t *buffer;
         bool flying, stalled;
     } transfer[TRANSFERS];
-    unsigned errors; /* transfers in a row that failed */
+    unsigned errors; /* how many transfers in a row have failed */
     uint64_t retry_at_ns, start_at_ns;
 };
 
-/* --- what is there --- */
+/* --- finding --- */
 
 static const struct usb_tracker *recognise(libusb_device *device)
 {
@@ -136,8 +136,8 @@ static void submit(struct usb_transfer *t)
     if (result != 0) t->usb->errors++;
 }
 
-/* The transfers of an unplugged device may fail with any error first. usb_step() submits them again until the
- * bus says that the device is gone. */
+/* When a device is unplugged, its transfers may first fail with any error. usb_step() submits them again
+ * until the bus says that the device has gone. */
 static void LIBUSB_CALL on_transfer(struct libusb_transfer *transfer)
 {
     uint64_t arrival_ns = trk_now_ns();
@@ -231,9 +231,9 @@ static bool is_flying(const struct usb *usb)
     return false;
 }
 
-/* The kernel owns transfers in flight, and may complete one that is being cancelled. This waits until all
- * have come back. If a broken bus keeps one, closing the handle takes it from the kernel and from libusb.
- * Either way no callback comes once the transfers are freed. */
+/* The kernel owns the transfers in flight, and may still complete one that is being cancelled, so wait until
+ * all have come back. If a broken bus keeps one, closing the handle takes it from the kernel and from libusb.
+ * Either way no callback comes after the transfers have been freed. */
 static void usb_detach(void *handle)
 {
     struct usb *usb = handle;
