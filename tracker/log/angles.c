@@ -1,17 +1,20 @@
-/* Logs of angles: GazeBase, GazeBaseVR, and the tables of pymovements.
+/* Logs that hold gaze as angles: GazeBase, GazeBaseVR, and the tables of pymovements.
  *
- * GazeBase (EyeLink at 1000 Hz, one eye; Griffith et al. 2021): n in ms, x and y degrees of visual angle from
- * the middle of a screen, right and up, each by itself (the tangent of x is the distance to the right in
- * viewing distances). val above 0 is a lost sample. dP is a pupil in units of its own.
+ * GazeBase (EyeLink at 1000 Hz, one eye; Griffith et al. 2021): n is the time in ms. x and y are degrees of
+ * visual angle from the middle of a screen, to the right and up. Each angle is measured in its own plane: the
+ * tangent of x is the distance to the right divided by the viewing distance. A sample with val above 0 is
+ * lost. dP is the pupil in an arbitrary unit.
  *
- * GazeBaseVR (HTC Vive Pro with ET5, 250 Hz; Lohr et al. 2023): n in ms, x and y of both eyes, lx, ly, rx, ry
- * of each: degrees right and up in the head, up after right (azimuth and elevation). clx.. and crx.. are the
- * eyes' centres in metres, +X right, +Y up; xT, yT, zT the target. How the signs are known: clx is -0.032 and
- * crx is +0.033; and for the target 0.44 m ahead the left eye turns to lx = +3.5 and the right one to rx =
- * -2.1, inwards, so that x is to the right. y upwards is what the paper says.
+ * GazeBaseVR (HTC Vive Pro with ET5, 250 Hz; Lohr et al. 2023): n is the time in ms. x and y belong to both
+ * eyes together, lx and ly to the left eye, rx and ry to the right eye; all are degrees to the right and up
+ * in the head, with up applied after right (azimuth and elevation). clx.. and crx.. are the eyes' centres in
+ * metres, +X right, +Y up; xT, yT, zT are the target. How the signs are known: clx is -0.032 and crx is
+ * +0.033, and for a target 0.44 m ahead the left eye turns to lx = +3.5 and the right eye to rx = -2.1,
+ * inwards, so x grows to the right. The paper says that y grows upwards.
  *
- * pymovements writes time, pixel_x, pixel_y, position_x, position_y; position in degrees as in GazeBase. The
- * unit of time is not stated and is told from its steps. y is taken as upwards; pixels would point down. */
+ * pymovements writes time, pixel_x, pixel_y, position_x, position_y; position is in degrees as in GazeBase.
+ * The table does not state the unit of time; the reader guesses it from the steps. The reader assumes that y
+ * points up, although pixels would point down. */
 #include "log/formats.h"
 
 #include <math.h>
@@ -31,10 +34,10 @@ enum {
 };
 
 struct layout {
-    const char *names[COLUMNS]; /* NULL where this format has none */
-    bool apart;                 /* x and y each by itself, not up after right */
-    bool may_be_short;          /* rows may end before the last columns */
-    double unit_ns;             /* of time; 0 is to be guessed */
+    const char *names[COLUMNS]; /* NULL: the format lacks this column */
+    bool apart;                 /* x and y are measured in separate planes, not as azimuth and elevation */
+    bool may_be_short;          /* rows may lack the last columns */
+    double unit_ns;             /* of one unit of time; 0: guess it */
 };
 
 static const struct layout gazebase = {
@@ -82,7 +85,7 @@ static bool begin(struct reader *reader, struct trk_reading *reading, char out_e
     return reader->unit_ns > 0;
 }
 
-/* One of the three gazes: 0 left, 1 right, 2 both. */
+/* Read the gaze of one eye: 0 left, 1 right, 2 both. */
 static bool read_gaze(struct reader *reader, int eye, int x_column, struct trk_sample *sample,
                       char out_error[TRK_ERROR_SIZE])
 {
@@ -92,7 +95,7 @@ static bool read_gaze(struct reader *reader, int eye, int x_column, struct trk_s
     if (!trk_table_number(&reader->table, reader->place[x_column], &x, out_error) ||
         !trk_table_number(&reader->table, reader->place[x_column + 1], &y, out_error))
         return false;
-    /* Beyond a right angle there is no screen, and NaN is no gaze. */
+    /* A flat screen cannot be seen at 90 degrees or more. NaN marks lost gaze. */
     if (!(fabs(x) < (reader->layout->apart ? 89 : 180) && fabs(y) < 89)) return true;
     x *= reader->signs[0];
     y *= reader->signs[1];

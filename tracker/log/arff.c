@@ -1,18 +1,19 @@
 /* The 360_em data set (Agtzidis et al. 2019): gaze on panoramic videos in a headset, as ARFF.
  *
  *   @RELATION gaze_360
- *   %@METADATA width_px 1920        the panorama, equirectangular; also height_px
- *   @ATTRIBUTE time INTEGER         us; then x, y: gaze in the panorama, head and eye together; confidence
- * 0..1;
+ *   %@METADATA width_px 1920        size of the equirectangular panorama; also height_px
+ *   @ATTRIBUTE time INTEGER         us
+ *   ...                             x, y: gaze in the panorama, from head and eye together; confidence 0..1;
  *   ...                             x_head, y_head: the head's middle; angle_deg_head: its roll; labels
  *   @DATA
  *   125000,958.00,538.00,1.00,960.00,540.00,1.26,saccade
  *
- * The panorama's middle is forward, x grows to the right and y down, as in any equirectangular picture that
- * is seen upright; so gaze has its world direction whatever the head does. The head pose is yaw, pitch and
- * then roll. The description does not give the sign of the roll; in the rotations of the data set's own tool
- * a positive roll tilts the head to the left. It changes gaze in the head, not in the world. A sample with a
- * confidence below 0.5 is lost. The rows of the tests follow the example of the description. */
+ * The panorama's middle is straight ahead; x grows to the right and y down, as in any equirectangular picture
+ * that is upright. So x and y give the world direction of gaze, whatever the head does. The head pose is yaw,
+ * then pitch, then roll. The description does not give the sign of the roll; in the rotations of the data
+ * set's own tool a positive roll tilts the head to the left. The roll changes the direction of gaze in the
+ * head, but not in the world. A sample with a confidence below 0.5 is lost. The rows of the tests follow the
+ * example in the description. */
 #include "log/formats.h"
 
 #include <cglm/cglm.h>
@@ -39,7 +40,7 @@ static bool starts(const char *text, const char *word)
     return strncasecmp(text, word, strlen(word)) == 0;
 }
 
-/* Add the name of an attribute to the header that the rows will be read under. */
+/* Append the name of an attribute to the header line that describes the rows. */
 static bool add_attribute(struct trk_reading *reading, char *header, const char *text)
 {
     size_t used = strlen(header);
@@ -82,7 +83,8 @@ static bool read_declarations(struct reader *reader, struct trk_reading *reading
     return trk_table_need(&reader->table, names, Y + 1, reader->place, out_error);
 }
 
-/* Degrees to the right of and above the panorama's middle; false if it is no place in the panorama. */
+/* The angles in degrees to the right of and above the panorama's middle. False if the point is outside the
+ * panorama. */
 static bool angles_of(const struct reader *reader, double x, double y, double *out_yaw, double *out_pitch)
 {
     *out_yaw = (x / reader->size_px[0] - 0.5) * 360;
@@ -137,7 +139,7 @@ static bool read_arff(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE
     return true;
 }
 
-/* Comments may come first. */
+/* Comments may precede @RELATION. */
 static bool detect(const struct trk_reading *reading)
 {
     for (const char *text = reading->head; text; text = strchr(text, '\n')) {

@@ -1,17 +1,18 @@
-/* BIDS eye tracking (BEP020): NAME.tsv.gz, a table without header, which JSON files beside and above it
- * describe (bids_sidecar.c).
+/* BIDS eye tracking (BEP020): NAME.tsv.gz, a table without a header. JSON files beside it and in the folders
+ * above describe it (bids_sidecar.c).
  *
- * The sidecar's Columns names the columns: timestamp, x_coordinate, y_coordinate, perhaps pupil_size, and
- * others, which are left alone. An object of a column's name has its Units. SampleCoordinateSystem is
- * gaze-on-screen (pixels, if nothing else is said from the top left corner; or degrees), eye-in-head or
- * gaze-in-world (degrees or radians, right and up, up after right). RecordedEye is left, right or cyclopean;
- * an eye has a file of its own. SamplingFrequency is in Hz. Missing is n/a. ScreenResolution (px), ScreenSize
- * and ScreenDistance (m) and ScreenOrigin (the corner that pixels count from) stand in StimulusPresentation
- * of the metadata of events; those in the sidecar, where drafts had them, take precedence. BIDS does not
- * say which way degrees count: the reader takes right and up, and notes it; what this project writes
- * (bids_write.c) says so itself. Files whose suffix is physioevents hold the tracker's events and no gaze. No
- * real file was at hand: the rows of the tests are invented, one of them after the specification's example.
- */
+ * The sidecar's Columns lists the columns: timestamp, x_coordinate, y_coordinate, perhaps pupil_size, and
+ * others, which the reader ignores. The sidecar describes each column in an object of the column's name,
+ * which has its Units. SampleCoordinateSystem is gaze-on-screen (pixels, counted from the top left corner
+ * unless ScreenOrigin says otherwise; or degrees), eye-in-head or gaze-in-world (degrees or radians to the
+ * right and up, with up applied after right). RecordedEye is left, right or cyclopean; each eye has a file of
+ * its own. SamplingFrequency is in Hz. A missing value is n/a. ScreenResolution (px), ScreenSize and
+ * ScreenDistance (m) and ScreenOrigin (the corner that pixels count from) are in StimulusPresentation of the
+ * events' metadata. Drafts of the specification had them in the sidecar; if they are there, the sidecar's
+ * values count. BIDS does not say which way degrees count: the reader assumes right and up, and says so in a
+ * note. The files that this project writes (bids_write.c) state it. Files with the suffix physioevents hold
+ * the tracker's events and no gaze. We had no real file: the rows of the tests are invented; one of them
+ * follows the specification's example. */
 #include "log/bids_sidecar.h"
 #include "log/formats.h"
 
@@ -33,7 +34,7 @@ struct reader {
     struct trk_plane plane;
     struct trk_log_clock clock;
     enum place place_kind;
-    double signs[2], degrees; /* of a unit of x and y */
+    double signs[2], degrees; /* degrees: per unit of x and y */
     double unit_ns;
     bool pupil_in_mm;
     int eye; /* 0 left, 1 right, 2 both */
@@ -78,7 +79,7 @@ static const json_t *screen_key(const struct reader *reader, const char *key)
     return value ? value : json_object_get(json_object_get(reader->events, "StimulusPresentation"), key);
 }
 
-/* The columns that Columns names become the header of the rows. */
+/* The names in Columns become the header of the rows. */
 static bool read_columns(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 {
     struct trk_reading *reading = reader->reading;
@@ -124,19 +125,19 @@ static bool read_time_unit(struct reader *reader, char out_error[TRK_ERROR_SIZE]
     for (size_t i = 0; i < sizeof units / sizeof *units && reader->unit_ns == 0; i++)
         if (strcasecmp(unit, units[i].name) == 0) reader->unit_ns = units[i].ns;
     if (reader->unit_ns > 0) return true;
-    /* The first row is in hand already, and is read again by the guess. */
+    /* The first row has already been read; the guess reads it again. */
     reader->unit_ns = trk_table_guess_unit(&reader->table, reader->place[TIME], out_error);
     return reader->unit_ns > 0;
 }
 
-/* Turn the plane to the corner that the pixels count from. */
+/* Set the signs of the plane for the corner that the pixels count from. */
 static bool turn_to_origin(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 {
     static const char *const sides[2][2] = {{"left", "right"}, {"bottom", "top"}};
     struct trk_reading *reading = reader->reading;
     const json_t *origin = screen_key(reader, "ScreenOrigin");
     bool is_seen[2] = {false, false};
-    if (reading->options->frame) return true; /* which says where x and y point */
+    if (reading->options->frame) return true; /* the option says where x and y point */
     if (!origin) {
         trk_assume(reading, "pixels count from the screen's top left corner");
         return true;
@@ -268,8 +269,8 @@ static bool read_bids(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE
     return line == TRK_LINE_END;
 }
 
-/* Tabs between numbers, from the first line on. Under a name that BIDS gives, other columns may stand between
- * them. */
+/* The first line is already numbers, separated by tabs. If the file has a name that BIDS prescribes, other
+ * columns may stand between the numbers. */
 static bool detect(const struct trk_reading *reading)
 {
     const struct trk_header *header = &reading->header;

@@ -17,7 +17,7 @@
 
 enum { MAX_SIDECAR = 1 << 20, MAX_LEVELS = 8, MAX_ENTITIES = 32 };
 
-/* A name cut at "_": entities, then the suffix. */
+/* A file name split at "_": first the entities, last the suffix. */
 struct name {
     char text[NAME_MAX + 1];
     const char *entities[MAX_ENTITIES];
@@ -25,7 +25,7 @@ struct name {
     const char *suffix;
 };
 
-/* False if the name does not end so, or is too long. */
+/* False if the file name does not end in `end`, or is too long. */
 static bool parse(struct name *name, const char *file, const char *end)
 {
     size_t length = strlen(file), size = strlen(end);
@@ -72,9 +72,9 @@ static bool applies(const struct name *file, const struct name *table, const cha
     return true;
 }
 
-/* The folders to look in, from the table's own upwards; the root of the dataset is the last. Without a
- * dataset_description.json they end with the folder above the subject's (sub-...); without such a folder, the
- * table's own folder is the only one. */
+/* The folders to search, starting with the table's own and going up to the root of the dataset. If no folder
+ * has a dataset_description.json, the list ends with the folder above the subject's (sub-...); if there is no
+ * subject's folder either, the list is only the table's own folder. */
 static size_t find_levels(const char *path, char *out_levels[MAX_LEVELS])
 {
     size_t length = (size_t)(base_of(path) - path), count = 0, above_subject = 1;
@@ -131,7 +131,8 @@ static int by_entities(const void *a, const void *b)
     return strcmp(x->file, y->file);
 }
 
-/* Take the keys of the files in one folder that apply, of those with more entities last. */
+/* Merge the keys of the applicable files in one folder into root. Files with more entities come later and
+ * override the others. */
 static bool take_level(struct trk_reading *reading, const char *folder, const char *suffix, json_t *root,
                        struct trk_bids_places *places, char out_error[TRK_ERROR_SIZE])
 {

@@ -1,10 +1,11 @@
-/* Writing BIDS eye tracking: NAME.tsv.gz without header, and its sidecar NAME.json.
+/* Writing BIDS eye tracking: NAME.tsv.gz without a header, and its sidecar NAME.json.
  *
- * One file holds one gaze: here the combined one, "cyclopean" unless only one eye was recorded. With a head
- * pose it is gaze-in-world, else eye-in-head; x_coordinate and y_coordinate are degrees to the right of and
- * above straight ahead (up after right), n/a where the gaze was lost; timestamp is in seconds of the
- * tracker's clock; pupil_size, where there is any, is the mean of the eyes' diameters in mm. Head pose,
- * origins and the eyes apart are not kept: the project's own format does that. */
+ * One file holds one gaze. This writer writes the combined gaze, which is "cyclopean" unless only one eye was
+ * recorded. The coordinate system is gaze-in-world if there is a head pose, else eye-in-head. x_coordinate
+ * and y_coordinate are degrees to the right of and above straight ahead (up applied after right), n/a where
+ * the gaze was lost. timestamp is in seconds of the tracker's clock. pupil_size, where there is any, is the
+ * mean of the eyes' diameters in mm. Head pose, origins and the gaze of each eye are not written; the
+ * project's own format keeps them. */
 #include "log/formats.h"
 
 #include "error.h"
@@ -27,7 +28,7 @@ static double pupil_mm(const struct trk_sample *sample)
     return count ? sum / count : NAN;
 }
 
-/* zlib writes to a descriptor, past the buffer of table, which is empty. */
+/* zlib writes directly to the file descriptor. That is safe because the buffer of `table` is empty. */
 static bool write_rows(FILE *table, const struct trk_log *log, bool with_pupil)
 {
     int fd = dup(fileno(table));
@@ -52,7 +53,7 @@ static bool write_rows(FILE *table, const struct trk_log *log, bool with_pupil)
     return file && gzclose(file) == Z_OK && ok;
 }
 
-/* The eye of the gaze, if only one was recorded. */
+/* Which eye the gaze came from, if only one was recorded. */
 static const char *recorded_eye(uint32_t seen)
 {
     bool left = seen & TRK_LEFT_DIRECTION, right = seen & TRK_RIGHT_DIRECTION;

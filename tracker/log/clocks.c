@@ -1,4 +1,4 @@
-/* The times of logs: units, times that go back, and clocks that do not run. */
+/* The times of logs: units, times that go back, and clocks that stand still. */
 #include "log/clocks.h"
 
 #include "error.h"
@@ -22,7 +22,7 @@ bool trk_log_clock_count(struct trk_log_clock *clock, int64_t time_ns, struct tr
         clock->started = true;
         clock->first_ns = time_ns;
     }
-    int64_t ns = time_ns - clock->first_ns; /* fits: see trk_parse_time() */
+    int64_t ns = time_ns - clock->first_ns; /* cannot overflow: see trk_parse_time() */
     if (ns < 0 || (uint64_t)ns < clock->last_ns) {
         double back_ns = (double)clock->last_ns - (double)ns;
         if (back_ns > (double)TRK_MAX_STEP_BACK_NS)
@@ -36,14 +36,15 @@ bool trk_log_clock_count(struct trk_log_clock *clock, int64_t time_ns, struct tr
     return true;
 }
 
-/* --- clocks that do not run --- */
+/* --- clocks that stand still --- */
 
-/* A clock that is read more often than it ticks also has mostly steps of 0, and between them steps of one
- * sample. A step this long is longer than one sample of any tracker. */
+/* A clock that is read more often than it ticks also has mostly steps of 0, but its other steps are as long
+ * as one sample. This step is longer than one sample of any tracker, so it shows that times were rounded. */
 static const uint64_t coarse_ns = 100000000;
 
-/* Times with an exponent: if their last digit is worth coarsest_ns or more, samples cannot be told apart; up
- * to exact_ns, nothing is said. */
+/* Limits for times that are written with an exponent, compared with the value of their last digit. From
+ * coarsest_ns on, the times no longer distinguish samples; up to exact_ns, the rounding is not worth a note.
+ */
 static const double coarsest_ns = 5e7, exact_ns = 1e6;
 
 enum kind { RUNS, STANDS, COARSE };
@@ -83,8 +84,8 @@ static bool fail(const struct trk_reading *reading, enum kind kind, char out_err
                     why);
 }
 
-/* Take arrival for device time, or else device time for arrival. Arrival of the log's first sample is not
- * always 0. False when memory is short. */
+/* Copy the arrival times to the device times, or the device times to the arrival times. Arrival times need
+ * not begin at 0, so the first one is subtracted. False if memory runs out. */
 static bool take_clock(struct trk_log *log, bool is_arrival)
 {
     const uint64_t first_ns = time_of(log, 0, 1);

@@ -1,13 +1,14 @@
-/* clocks: the times of a log. They never go back, and they must be those of a clock that runs. */
+/* clocks: the times of a log. Times never go back, and the clock must not stand still. */
 #ifndef FOVEAD_TRACKER_LOG_CLOCKS_H
 #define FOVEAD_TRACKER_LOG_CLOCKS_H
 
 #include "log/reading.h"
 
-/* The ns of a tick: that of the options, else own_ns. */
+/* The length of a tick in ns: the one from the options, else own_ns. */
 double trk_time_unit(const struct trk_reading *reading, double own_ns);
 
-/* How far a time may go back and still count as the time before it: stamps are not exact. */
+/* A time may go back by this much and still count as equal to the time before it, because stamps are not
+ * exact. */
 #define TRK_MAX_STEP_BACK_NS UINT64_C(100000000)
 
 /* A clock that counts from its first time and never goes back. A time that is a little earlier than the last
@@ -20,9 +21,9 @@ struct trk_log_clock {
 bool trk_log_clock_count(struct trk_log_clock *clock, int64_t time_ns, struct trk_reading *reading,
                          uint64_t *out_ns, char out_error[TRK_ERROR_SIZE]);
 
-/* Check that the times of the samples so far are those of a clock: not all the same, not the same for most
- * rows and then far apart, not rounded by a spreadsheet. Otherwise the log's other clock is used, and that is
- * noted. False with a message if the other clock does not run either. */
+/* Check that the times of the samples so far come from a running clock: they are not all the same, they do
+ * not mostly repeat and then jump, and no spreadsheet has rounded them. If they fail the check, the log's
+ * other clock replaces this one, and a note says so. False with a message if the other clock fails too. */
 bool trk_check_clocks(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE]);
 
 #endif

@@ -1,4 +1,4 @@
-/* The conversion of what devices record to our units and frame. */
+/* The conversion of what devices record to the project's units and frame. */
 #include "log/convert.h"
 
 #include <cglm/cglm.h>
@@ -9,7 +9,7 @@
 
 bool trk_frame_parse(const char *letters, struct trk_frame *out_frame)
 {
-    static const char ends[3][2] = {{'R', 'L'}, {'U', 'D'}, {'B', 'F'}}; /* plus and minus of our axes */
+    static const char ends[3][2] = {{'R', 'L'}, {'U', 'D'}, {'B', 'F'}}; /* plus and minus of each axis */
     int seen = 0;
     if (strlen(letters) != 3) return false;
     for (int i = 0; i < 3; i++)
@@ -56,7 +56,7 @@ bool trk_plane_init(struct trk_plane *plane, struct trk_reading *reading, const 
                     double own_fov_deg, const char *what, char out_error[TRK_ERROR_SIZE])
 {
     const struct trk_log_options *options = reading->options;
-    double half = tan(own_fov_deg * M_PI / 360); /* half the width in distances */
+    double half = tan(own_fov_deg * M_PI / 360); /* half the width, in viewing distances */
     if (!trk_reading_signs(reading, "RDF", plane->sign, out_error)) return false;
     if (options->screen_fov_deg > 0)
         half = tan(options->screen_fov_deg * M_PI / 360);
@@ -111,7 +111,7 @@ void trk_set_origin(struct trk_sample *sample, int eye, const float origin[3], f
     float v[3];
     for (int i = 0; i < 3; i++) {
         v[i] = origin[i] * metres;
-        if (!(fabsf(v[i]) < 1000)) return; /* an eye a kilometre off is a number gone wrong */
+        if (!(fabsf(v[i]) < 1000)) return; /* an origin a kilometre away is a corrupt number */
     }
     turn(frame, v, eye == 2 ? sample->origin : sample->eye[eye].origin);
     sample->valid |= bit_of(eye, TRK_ORIGIN, TRK_LEFT_ORIGIN);

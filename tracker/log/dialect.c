@@ -1,4 +1,4 @@
-/* How programs and spreadsheets vary in writing the same rows, whatever the format. */
+/* How programs and spreadsheets differ in writing the same rows, whatever the format. */
 #include "log/dialect.h"
 
 #include <ctype.h>
@@ -24,7 +24,8 @@ static enum trk_line next_full_line(struct trk_lines *lines, char out_error[TRK_
     return line;
 }
 
-/* Excel's first line, "sep=;", perhaps in quotes. 0: this is none. */
+/* The separator named by Excel's first line, "sep=;", which may be in quotes; 0 if the line is not such a
+ * line. */
 static char separator_named_by(const char *text)
 {
     text += *text == '"';
@@ -75,7 +76,8 @@ static char *skip_blanks(char *text, char separator)
     return text;
 }
 
-/* Fields of a few letters: strspn() and its like would make a table for each. */
+/* The loop is by hand because fields have only a few letters, and strspn() and its like would build a table
+ * for each field. */
 static size_t split_runs(char *text, char *out_fields[TRK_MAX_FIELDS])
 {
     size_t count = 0;
@@ -88,8 +90,8 @@ static size_t split_runs(char *text, char *out_fields[TRK_MAX_FIELDS])
     return count;
 }
 
-/* The quote that ends the field which begins with one; NULL if it never ends, or goes on after it. *out_next:
- * the separator that follows, or the end of the text. */
+/* The closing quote of a field that begins with a quote. NULL if there is none, or if more text follows it in
+ * the field. *out_next becomes the separator after the field, or the end of the text. */
 static char *closing_quote(char *text, char separator, char **out_next)
 {
     for (char *at = text + 1; (at = strchr(at, '"')); at += 2) {
@@ -100,7 +102,7 @@ static char *closing_quote(char *text, char separator, char **out_next)
     return NULL;
 }
 
-/* What stands between the quotes, in place. */
+/* Replace the field by the text between its quotes. */
 static void unquote(char *text, const char *close)
 {
     char *to = text;
@@ -134,7 +136,8 @@ size_t trk_split(char *text, char separator, char *out_fields[TRK_MAX_FIELDS])
     return count;
 }
 
-/* A tab stands in no name. Of the others, names hold one now and then. */
+/* A tab decides at once, because no column name contains a tab. Names do contain some commas and semicolons,
+ * so these are counted. */
 char trk_separator_of(const char *line)
 {
     size_t semicolons = 0, commas = 0;
@@ -155,7 +158,8 @@ bool trk_is_missing(const char *field)
 {
     static const char *const words[] = {"",     "n/a",  "na",  "<na>", ".",  "..",      "?",
                                         "none", "null", "nil", "-",    "--", "missing", "n. def."};
-    /* Of NaN printers add more: nan(ind), -1.#IND00. Spreadsheets have #N/A, #NV, #VALUE! and others. */
+    /* Printers write NaN in longer forms too: nan(ind), -1.#IND00. Spreadsheets write #N/A, #NV, #VALUE! and
+     * others. */
     static const char *const starts[] = {"nan", "1.#ind", "1.#qnan", "1.#snan"};
     if (*field == '#') return true;
     for (size_t i = 0; i < sizeof words / sizeof *words; i++)
@@ -187,7 +191,7 @@ bool trk_field_number(struct trk_reading *reading, char *field, double *out_valu
     return trk_parse_double(field, out_value) && isfinite(*out_value);
 }
 
-/* Note how exact a time is that is written with an exponent. */
+/* For a time that is written with an exponent, note how exact it is. */
 static void note_exponent(struct trk_reading *reading, const char *field, double unit_ns)
 {
     if (reading->has_plain_times) return;

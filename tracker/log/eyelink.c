@@ -1,4 +1,4 @@
-/* EyeLink's ASC files, as edf2asc writes them: lines of tabs and spaces.
+/* EyeLink's ASC files, as edf2asc writes them: lines with tabs and spaces.
  *
  *   ** ...                                                 comments at the start
  *   MSG <ms> GAZE_COORDS <left> <top> <right> <bottom>     the screen in pixels; older DISPLAY_COORDS
@@ -7,15 +7,15 @@
  *   SBLINK L <ms>, EBLINK L <ms> <ms> ...                  and other events
  *   END <ms> SAMPLES EVENTS RES 35.18 35.14                pixels per degree across and down, on average
  *
- * Times are whole ms, or at 2000 Hz either halves or every ms twice: of equal times the later ones are moved
- * by what the rate says. Pixels count from the top left corner, so that x is to the right and y down. A real
- * blink agrees: as the lid closes, eyes roll down and towards the nose, and there the right eye's y grows
- * and its x falls before it is lost (the test looks at it). The screen's angle follows from RES, unless
- * options say another; without both it is a default. Resolution and coordinates may change from one recording
- * (START to END) to the next; each recording is turned by its own. The pupil has arbitrary units and is left
- * out. A closed eye is marked by openness 0; outside of blinks nothing is said about it. Only GAZE samples
- * have a place on the screen: files with HREF or PUPIL ones are refused. Between recordings (START to END)
- * time goes on and no sample is lost. */
+ * Times are whole ms. At 2000 Hz they are halves of a ms, or each ms occurs twice; then the reader moves the
+ * later samples of equal time by periods of the rate. Pixels count from the top left corner, with x to the
+ * right and y down. A real blink agrees with that: as the lid closes, the eyes roll down and towards the
+ * nose, and in the file the right eye's y grows and its x falls before it is lost (a test checks it). The
+ * screen's angle follows from RES, unless the options give another; without either, a default is used.
+ * Resolution and coordinates may change from one recording (START to END) to the next; each recording is
+ * converted with its own. The reader ignores the pupil, which has arbitrary units. During a blink the eye has
+ * openness 0; at other times openness is unknown. Only GAZE samples have a place on the screen, so files with
+ * HREF or PUPIL samples are refused. Between recordings time goes on, and no sample counts as lost. */
 #include "error.h"
 #include "log/formats.h"
 #include "log/samples.h"
@@ -27,9 +27,9 @@
 
 enum { LEFT_EYE = 1, RIGHT_EYE = 2 };
 
-/* Samples that were seen on the same screen. */
+/* Consecutive samples that were seen on the same screen. */
 struct segment {
-    size_t first;         /* of the log's samples */
+    size_t first;         /* index of its first sample in the log */
     double edges[4];      /* left, top, right, bottom: px; NaN if unknown */
     double resolution[2]; /* px per degree, across and down; NaN if unknown */
 };
@@ -42,13 +42,13 @@ struct reader {
     struct trk_log_clock clock;
     unsigned eyes, closed; /* LEFT_EYE, RIGHT_EYE */
     double rate_hz;
-    double edges[4]; /* that hold now, as in a segment */
+    double edges[4]; /* of the current screen, as in a segment */
     int64_t last_ns;
-    size_t equal, spread; /* samples that repeat the last time; that were moved for it */
+    size_t equal, spread; /* samples that repeat the last time; samples moved for that reason */
     uint64_t sequence;
 };
 
-/* The numbers after a word of a line; how many there were. */
+/* Read up to n numbers that follow a word in a line. Returns how many were read. */
 static int numbers_after(const char *text, const char *word, double *out_numbers, int n)
 {
     const char *at = strstr(text, word);
@@ -88,12 +88,12 @@ static unsigned eye_of(const char *text)
     return *text == 'L' ? LEFT_EYE : *text == 'R' ? RIGHT_EYE : 0;
 }
 
-/* From the next sample on the screen may be another. */
+/* Begin a segment, because the screen may change from the next sample on. */
 static bool begin_segment(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 {
     const size_t first = reader->reading->log->count;
     size_t count = reader->segment_count;
-    if (count && reader->segments[count - 1].first == first) count--; /* of no samples */
+    if (count && reader->segments[count - 1].first == first) count--; /* it has no samples */
     if ((count & (count - 1)) == 0) {
         size_t room = count ? 2 * count : 1;
         struct segment *grown = realloc(reader->segments, room * sizeof *grown);
@@ -107,7 +107,7 @@ static bool begin_segment(struct reader *reader, char out_error[TRK_ERROR_SIZE])
     return true;
 }
 
-/* DISPLAY_COORDS counts only where there is nothing else. */
+/* DISPLAY_COORDS counts only as long as there was no GAZE_COORDS. */
 static bool read_coordinates(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 {
     const char *text = reader->reading->lines.text;
@@ -122,7 +122,8 @@ static bool read_coordinates(struct reader *reader, char out_error[TRK_ERROR_SIZ
     return begin_segment(reader, out_error);
 }
 
-/* Whatever is no sample. Unknown lines are let be: calibration writes all kinds. */
+/* Read a line that is not a sample. Unknown lines are ignored, because calibration writes many kinds of
+ * lines. */
 static bool read_event(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 {
     const char *text = reader->reading->lines.text;
@@ -143,7 +144,7 @@ static bool read_event(struct reader *reader, char out_error[TRK_ERROR_SIZE])
     return true;
 }
 
-/* The place on the screen is kept as it is until the whole file is read, because RES comes last. */
+/* Keep the gaze in pixels for now: RES, which the conversion needs, comes only at the end. */
 static bool read_eye(struct reader *reader, int eye, char *const fields[2], struct trk_sample *sample,
                      char out_error[TRK_ERROR_SIZE])
 {
@@ -160,7 +161,7 @@ static bool read_eye(struct reader *reader, int eye, char *const fields[2], stru
     return true;
 }
 
-/* place: x, y and pupil of each eye that is recorded. */
+/* place: x, y and pupil of each recorded eye. */
 static bool take_sample(struct reader *reader, int64_t time_ns, char *const *place,
                         char out_error[TRK_ERROR_SIZE])
 {
@@ -212,7 +213,7 @@ static bool is_same_screen(const struct segment *a, const struct segment *b)
     return memcmp(a->edges, b->edges, sizeof a->edges) == 0;
 }
 
-/* The mean resolution of the segments with the same screen as this one; NaN if it is known of none. */
+/* The mean resolution of all segments with the same screen as `of`; NaN if none of them has one. */
 static void mean_resolution(const struct reader *reader, const struct segment *of, double out_resolution[2])
 {
     double sum[2] = {0, 0};
@@ -226,7 +227,8 @@ static void mean_resolution(const struct reader *reader, const struct segment *o
     for (int k = 0; k < 2; k++) out_resolution[k] = count ? sum[k] / (double)count : NAN;
 }
 
-/* Its plane by that resolution; says: the first of its kind, of which a word is said. */
+/* Set up the plane of a segment from a resolution. `says`: add notes about the screen; the caller sets it for
+ * the first segment of each screen. */
 static bool init_plane(struct reader *reader, const struct segment *segment, const double resolution[2],
                        bool says, struct trk_plane *out_plane, char out_error[TRK_ERROR_SIZE])
 {
@@ -270,7 +272,7 @@ static bool turn_segment(struct reader *reader, const struct trk_plane *plane, s
     return true;
 }
 
-/* From pixels to directions, now that all is known. */
+/* Convert all gaze from pixels to directions, now that the whole file is known. */
 static bool turn_samples(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 {
     bool is_default = false;
@@ -287,7 +289,7 @@ static bool turn_samples(struct reader *reader, char out_error[TRK_ERROR_SIZE])
         const bool is_last = i + 1 == reader->segment_count;
         struct trk_plane plane;
         bool says = i == 0 || !is_same_screen(segment, segment - 1);
-        /* What is said is the mean; what is used is a segment's own, if it has one. */
+        /* The note gives the mean resolution; the conversion uses the segment's own one if it has one. */
         if (says) {
             mean_resolution(reader, segment, mean);
             if (!init_plane(reader, segment, mean, true, &plane, out_error)) return false;

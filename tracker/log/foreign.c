@@ -1,4 +1,4 @@
-/* The files that people take for gaze logs and that are none, and what is said to them. */
+/* Files that people mistake for gaze logs, and the messages about them. */
 #include "log/foreign.h"
 
 #include "log/table.h"
@@ -46,7 +46,7 @@ bool trk_check_magic(const struct trk_reading *reading, size_t size, char out_er
     return true;
 }
 
-/* Files that lie beside a gaze log, or bear its name, and hold no gaze that could be used. */
+/* Files that usually lie beside a gaze log or have its name, but hold no gaze that can be used. */
 static const struct {
     const char *columns[4];
     const char *says;

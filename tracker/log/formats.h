@@ -1,8 +1,8 @@
-/* formats: the table of log formats, and everything that a format is made with.
+/* formats: the table of log formats, and everything that a format needs.
  *
- * A format is one file, which its own comment describes, with a `const struct trk_log_format`; a line in the
- * table below; and a line in CMakeLists.txt. A log's format is recognised by what the file begins with, never
- * by its name. */
+ * To add a format, write one file with a `const struct trk_log_format`, whose first comment describes the
+ * format, and add a line to the table below and one to CMakeLists.txt. The format of a log is recognised by
+ * the start of its content, never by its name. */
 #ifndef FOVEAD_TRACKER_LOG_FORMATS_H
 #define FOVEAD_TRACKER_LOG_FORMATS_H
 

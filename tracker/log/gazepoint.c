@@ -1,16 +1,16 @@
-/* Logs of Gazepoint trackers: the CSV export, and records of the Open Gaze API as they came over the socket.
+/* Logs of Gazepoint trackers: the CSV export, and records of the Open Gaze API as the socket delivers them.
  *
  *   MEDIA_ID,MEDIA_NAME,CNT,TIME(<when it began>),TIMETICK(f=10000000),FPOGX,...,BPOGX,BPOGY,BPOGV,...
  *   <REC CNT="34" TIME="0.5" TIME_TICK="463" BPOGX="0.5" BPOGY="0.5" BPOGV="1" ... />
  *
- * Points of gaze are shares of the screen from its top left corner, x to the right and y down (the API's
- * manual; no recording was at hand that could show it, and the rows of the tests are invented), and may be
- * outside 0..1. BPOG is both eyes', LPOG and RPOG each one's; V says valid, and a lost sample repeats the
- * last point with V 0. FPOG holds still during saccades and is taken only where there is nothing else. LPMM
- * and RPMM are pupils in mm. BKID is not 0 in a blink. TIME, in seconds, is the tracker's clock; TIME_TICK,
- * in ticks of f a second, the host's. An export of several media begins TIME anew with each of them, while
- * the ticks go on: they tell how long after the last sample that was. CNT counts samples: a gap is a lost
- * one. */
+ * Points of gaze are fractions of the screen from its top left corner, x to the right and y down, and may be
+ * outside 0..1. The API's manual says so; we had no recording to confirm it, and the rows of the tests are
+ * invented. BPOG is the gaze of both eyes; LPOG and RPOG are those of each eye. V says whether the point is
+ * valid: a lost sample repeats the last point with V 0. FPOG stays at the fixation during saccades, so it is
+ * used only if there is no BPOG. LPMM and RPMM are the pupils in mm. BKID is not 0 during a blink. TIME, in
+ * seconds, is the tracker's clock. TIME_TICK is the host's clock, with f ticks per second. In an export of
+ * several media, TIME restarts with each medium but the ticks go on, so they tell how much time has passed
+ * since the last sample. CNT counts samples: a gap in CNT means lost samples. */
 #include "log/formats.h"
 
 #include "error.h"
@@ -36,16 +36,16 @@ struct reader {
     struct trk_reading *reading;
     struct trk_plane plane;
     struct trk_log_clock device, host;
-    char *fields[VALUES]; /* of one record; NULL where it has none */
+    char *fields[VALUES]; /* of one record; NULL: value absent */
     double tick_hz;
-    bool has_count, is_fixation; /* FPOG had to be taken */
+    bool has_count, is_fixation; /* is_fixation: gaze is FPOG, for lack of BPOG */
     int64_t first_count;
     uint64_t sequence;
-    bool has_last; /* the times of the last sample, and what TIME is short of since it began anew */
-    int64_t last_time_ns, last_tick_ns, shift_ns;
+    bool has_last;
+    int64_t last_time_ns, last_tick_ns, shift_ns; /* shift_ns: added to TIME after it restarted */
     size_t restarts;
     size_t fixations; /* changes of FPOGID from one record to the next */
-    double fixation;  /* its last one; NaN: none */
+    double fixation;  /* FPOGID of the last record; NaN: none */
 };
 
 static bool number(struct reader *reader, int i, double *out_value, char out_error[TRK_ERROR_SIZE])
@@ -57,8 +57,8 @@ static bool number(struct reader *reader, int i, double *out_value, char out_err
                           names[i], field);
 }
 
-/* Add to TIME what it lost where it began anew, if the ticks say what that is. Both are times since a start,
- * and far from what an int64_t holds. */
+/* If TIME has restarted, correct it: the ticks tell how much time has passed. Both times count from a
+ * start, and are far below the limit of an int64_t. */
 static void join(struct reader *reader, int64_t *time_ns, int64_t tick_ns)
 {
     const int64_t max_ns = (int64_t)TRK_MAX_DEVICE_NS, now_ns = *time_ns, last_ns = reader->last_time_ns;
@@ -91,7 +91,7 @@ static bool read_times(struct reader *reader, struct trk_sample *sample, char ou
            trk_log_clock_count(&reader->host, tick_ns, reader->reading, &sample->arrival_ns, out_error);
 }
 
-/* CNT may begin anew too; it counts on from there. */
+/* CNT may restart too; then the sequence continues from its last number. */
 static void count(struct reader *reader, struct trk_sample *sample)
 {
     const char *field = reader->fields[CNT];
@@ -106,7 +106,7 @@ static void count(struct reader *reader, struct trk_sample *sample)
     reader->sequence = sample->sequence;
 }
 
-/* Whether a point is there and says it is valid. */
+/* Read a point of gaze; *out_valid: the point is present and marked as valid. */
 static bool point(struct reader *reader, int i, float out_direction[3], bool *out_valid,
                   char out_error[TRK_ERROR_SIZE])
 {
@@ -159,7 +159,7 @@ static bool begin(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 static bool finish(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 {
     const size_t count = reader->reading->log->count;
-    /* Of gaze, many samples have the same fixation's number. */
+    /* In a log of gaze, many samples in a row share a fixation's number. */
     if (count > 2 && reader->fixations == count - 1)
         return trk_fail(
             out_error,
@@ -174,7 +174,8 @@ static bool finish(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 
 /* --- the export --- */
 
-/* TIME and TIMETICK have more in their names: when it began, and how fast it ticks. */
+/* The names of the columns TIME and TIMETICK hold more: when the recording began, and the frequency of the
+ * ticks. */
 static bool find_times(struct reader *reader, int place[VALUES], char out_error[TRK_ERROR_SIZE])
 {
     struct trk_reading *reading = reader->reading;
@@ -225,7 +226,7 @@ const struct trk_log_format trk_log_gazepoint = {
 
 /* --- the API's records --- */
 
-/* The next NAME="VALUE" of an element, cut out in place. NULL at its end. */
+/* Cut the next NAME="VALUE" out of an element, in place. NULL at the end of the element. */
 static char *next_attribute(char **at, char **out_value)
 {
     char *name = *at + strspn(*at, " \t"), *equals = strchr(name, '=');
@@ -238,7 +239,7 @@ static char *next_attribute(char **at, char **out_value)
     return name;
 }
 
-/* <ACK ID="TIME_TICK_FREQUENCY" FREQ="10000000" /> tells how fast the ticks are. */
+/* <ACK ID="TIME_TICK_FREQUENCY" FREQ="10000000" /> gives the frequency of the ticks. */
 static void read_answer(struct reader *reader, char *at)
 {
     bool is_frequency = false;
@@ -252,7 +253,8 @@ static void read_answer(struct reader *reader, char *at)
     }
 }
 
-/* A record's values; NULL where it has none. False: it does not end as an element does. */
+/* Take the values of a record; those that it lacks become NULL. False if the element does not end with "/>".
+ */
 static bool take_attributes(struct reader *reader, char *at)
 {
     char *name, *value;
@@ -279,7 +281,7 @@ static bool read_open_gaze(struct trk_reading *reading, char out_error[TRK_ERROR
             line = trk_short_row(reading);
             break;
         }
-        if (is_empty) continue; /* nothing was asked for yet */
+        if (is_empty) continue; /* the client had not asked for any value yet */
         if (reader.fields[TICK]) reading->clock_names[1] = names[TICK];
         if (!read_record(&reader, out_error)) return false;
     }

@@ -1,14 +1,14 @@
-/* Recordings of Tobii Pro Glasses 3: gazedata.gz, one JSON object a line, in gzip or unpacked.
+/* Recordings of Tobii Pro Glasses 3: gazedata.gz, one JSON object per line, compressed with gzip or not.
  *
  *   {"type":"gaze","timestamp":0.01,"data":{"gaze2d":[..],"gaze3d":[..],
  *     "eyeleft":{"gazeorigin":[..],"gazedirection":[..],"pupildiameter":..},"eyeright":{..}}}
  *
- * timestamp is in seconds of the recording. Lost gaze is an empty "data", a lost eye an empty object or none.
- * Origins and gaze3d are in mm, in the head unit's frame, which has its zero in the scene camera: +X to the
- * wearer's left, +Y up, +Z forward. How this is known: in quoted rows the left eye's origin has x = +28 mm
- * and the right eye's -31 mm, and a point with x = -82 mm lies in the right half of the picture (gaze2d 0.54,
- * from the top left corner). The combined gaze is that of the eyes; where neither eye has one it points to
- * gaze3d. No recording was at hand: the rows of the tests are invented. */
+ * timestamp is in seconds since the start of the recording. For lost gaze, "data" is empty; for a lost eye,
+ * its object is empty or absent. Origins and gaze3d are in mm, in the head unit's frame, whose origin is the
+ * scene camera: +X to the wearer's left, +Y up, +Z forward. How this is known: in quoted rows the left eye's
+ * origin has x = +28 mm and the right eye's -31 mm, and a point with x = -82 mm lies in the right half of the
+ * picture (gaze2d 0.54, from the top left corner). The combined gaze is computed from the eyes; if both eyes
+ * are lost, it points to gaze3d. We had no recording; the rows of the tests are invented. */
 #include "log/formats.h"
 
 #include <jansson.h>
@@ -16,7 +16,7 @@
 
 static bool read_vector(const json_t *array, float out_vector[3])
 {
-    if (json_array_size(array) != 3) return false; /* 0 if it is none */
+    if (json_array_size(array) != 3) return false; /* the size is 0 if it is not an array */
     for (size_t i = 0; i < 3; i++) {
         const json_t *number = json_array_get(array, i);
         if (!json_is_number(number)) return false;
@@ -59,7 +59,8 @@ static bool read_object(struct trk_reading *reading, const json_t *root, struct 
     return trk_log_append(reading, &sample, out_error);
 }
 
-/* Python writes NaN, which is no JSON: an empty text is as little a number. */
+/* Python writes NaN, which JSON does not allow. Replace it by an empty text, which the readers do not take
+ * for a number either. */
 static void blank_nans(char *text)
 {
     for (char *at = text; (at = strcasestr(at, "nan")); at += 3)

@@ -11,7 +11,7 @@
 bool trk_lines_fail(const struct trk_lines *lines, char out_error[TRK_ERROR_SIZE], const char *format, ...)
 {
     char prefix[TRK_ERROR_SIZE];
-    /* A long path is cut at its start, so that the reason keeps its room. */
+    /* Cut off the start of a long path, so that there is room for the reason. */
     size_t length = strlen(lines->path), room = TRK_ERROR_SIZE / 2;
     const char *tail = length > room ? lines->path + length - room : lines->path;
     snprintf(prefix, sizeof prefix, "%s%s:%zu: ", tail == lines->path ? "" : "...", tail, lines->number);
@@ -22,7 +22,8 @@ bool trk_lines_fail(const struct trk_lines *lines, char out_error[TRK_ERROR_SIZE
     return false;
 }
 
-/* Unpack more. False at the end of the file; also on failure, with a message and *out_failed set. */
+/* Unpack the next part of the file into the buffer. False at the end of the file, and on failure; a failure
+ * also sets *out_failed and gives a message. */
 static bool fill(struct trk_lines *lines, bool *out_failed, char out_error[TRK_ERROR_SIZE])
 {
     int count = gzread(lines->file, lines->buffer, sizeof lines->buffer), code;
@@ -42,8 +43,8 @@ static bool fill(struct trk_lines *lines, bool *out_failed, char out_error[TRK_E
     return !*out_failed && lines->filled > 0;
 }
 
-/* Are all bytes from there on zero, as at the end of a file after a crash of the machine? If so, the buffer
- * is used up. */
+/* Are all bytes from `at` to the end of the file zero, as after a crash of the machine? The search uses up
+ * the buffer. */
 static bool is_zero_to_end(struct trk_lines *lines, size_t at, char out_error[TRK_ERROR_SIZE])
 {
     bool failed;
@@ -55,7 +56,8 @@ static bool is_zero_to_end(struct trk_lines *lines, size_t at, char out_error[TR
     return !failed;
 }
 
-/* By memchr() and not getline(): a file without line ends must not decide how much memory is taken. */
+/* This uses memchr() and not getline(), because a file without line ends must not decide how much memory is
+ * allocated. */
 enum trk_line trk_lines_next(struct trk_lines *lines, char out_error[TRK_ERROR_SIZE])
 {
     size_t length = 0;
@@ -104,15 +106,15 @@ void trk_lines_rewind(struct trk_lines *lines)
 
 /* --- numbers --- */
 
-/* strtof() and strtoll() skip white space before a number; a field must start with it. */
+/* strtof() and strtoll() skip white space before a number, but here a field must begin with the number. */
 static bool starts_number(const char *field)
 {
     return *field != '\0' && !strchr(" \t\v\f\r\n", *field);
 }
 
-/* Up to 15 digits, a point among them or not, and nothing else but a minus before them: a whole number by a
- * power of ten, both of which double holds exactly, so that the quotient is the double that is next to the
- * number (Clinger 1990). False for all others. */
+/* Read a number of up to 15 digits, with an optional minus and an optional point, and nothing else. It is an
+ * integer divided by a power of ten. A double holds both exactly, so the quotient is the double nearest to
+ * the number (Clinger 1990). False for anything else. */
 static bool parse_plain(const char *field, double *out_value)
 {
     static const double powers[] = {1,   1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
@@ -143,7 +145,8 @@ bool trk_parse_float(const char *field, float *out_value)
     char *end;
     double value;
     uint64_t bits;
-    /* The float next to the double is next to the number too, but for a tie. */
+    /* Rounding the nearest double to float gives the nearest float, except if the double lies exactly halfway
+     * between two floats. */
     if (parse_plain(field, &value)) {
         memcpy(&bits, &value, sizeof bits);
         *out_value = (float)value;
@@ -177,7 +180,8 @@ bool trk_parse_time(const char *field, double unit_ns, int64_t *out_ns)
     char *end;
     if (!starts_number(field)) return false;
     long double ns = strtold(field, &end) * (long double)unit_ns;
-    /* NaN fails the comparison. Half the range, so that differences fit too. */
+    /* This comparison also refuses NaN. The limit is half the range of an int64_t, so that differences of
+     * times fit too. */
     if (end == field || *end != '\0' || !(fabsl(ns) < 0x1p62L)) return false;
     *out_ns = llroundl(ns);
     return true;

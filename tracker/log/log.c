@@ -1,4 +1,4 @@
-/* Reading a log: how its format is recognised, which options go with it, and the checks at its end. */
+/* Reading a log: recognising its format, checking the options, and the checks after the last row. */
 #include "error.h"
 #include "log/foreign.h"
 #include "log/formats.h"
@@ -21,9 +21,9 @@ static const struct trk_log_format *const formats[] = {
 /* clang-format on */
 enum { FORMATS = sizeof formats / sizeof *formats };
 
-/* --- which format --- */
+/* --- recognising the format --- */
 
-/* Recognise the format by its content. NULL with a message if no format fits, or several do. */
+/* Recognise the format by its content. NULL with a message if no format matches, or several do. */
 static const struct trk_log_format *detect(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
 {
     const struct trk_log_format *found = NULL;
@@ -76,7 +76,7 @@ bool trk_log_is_from(const struct trk_log *log, const char *path)
     return false;
 }
 
-/* Open a log. Only regular files are opened, since others could block or never end. */
+/* Open a log. Only regular files are accepted, because reading others could block or never end. */
 static gzFile open_file(struct trk_log *log, const char *path, char out_error[TRK_ERROR_SIZE])
 {
     int fd = open(strcmp(path, "-") == 0 ? "/dev/stdin" : path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
@@ -103,7 +103,7 @@ static gzFile open_file(struct trk_log *log, const char *path, char out_error[TR
     return file;
 }
 
-/* Read what the file begins with, and its first row. */
+/* Read the first bytes of the file, and its first row. */
 static bool read_head(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
 {
     struct trk_lines *lines = &reading->lines;
@@ -112,7 +112,7 @@ static bool read_head(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE
     lines->number = 1;
     if (!trk_check_magic(reading, size, out_error)) return false;
     reading->head[size] = '\0';
-    const char *cr = strchr(reading->head, '\r'); /* the LF of a CR LF may lie beyond the head */
+    const char *cr = strchr(reading->head, '\r'); /* may be the last byte of the head, before its LF */
     lines->end = cr && cr[strspn(cr, "\r")] && !strchr(reading->head, '\n') ? '\r' : '\n';
     for (char *c = reading->head; (c = strchr(c, '\r'));) *c = '\n';
     if (strncmp(reading->head, "\xef\xbb\xbf", 3) == 0) memmove(reading->head, reading->head + 3, size - 2);
@@ -129,7 +129,7 @@ static bool read_head(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE
     return true;
 }
 
-/* Refuse options that this format has no use for. */
+/* Refuse options that do not apply to this format. */
 static bool check_taken(const struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
 {
     static const char *const names[] = {"has a fixed time unit", "has a fixed frame",
@@ -164,7 +164,7 @@ static bool read_reading(struct trk_reading *reading, char out_error[TRK_ERROR_S
     return true;
 }
 
-/* Refuse options that are impossible for any file. */
+/* Refuse options that are impossible for every file. */
 static bool check_options(const struct trk_log_options *options, char out_error[TRK_ERROR_SIZE])
 {
     static const char *const units[] = {"s", "ms", "us", "ns"};

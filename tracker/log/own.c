@@ -1,4 +1,5 @@
-/* The project's own gaze log, read and written: one table of columns serves both. The format is in own.h. */
+/* Reading and writing the project's own gaze logs; both use the same table of columns. own.h describes the
+ * format. */
 #include "log/own.h"
 
 #include "error.h"
@@ -13,14 +14,14 @@
 #define VERSION   "1"
 #define SEPARATOR ' '
 
-/* The columns before the table: whole numbers, always there. */
+/* The columns before those of the table: whole numbers, present in every log. */
 enum { SEQUENCE, DEVICE, ARRIVAL, VALID, WHOLE };
 static const char *const whole_names[WHOLE] = {"sequence", "device[ns]", "arrival[ns]", "valid[bits]"};
 
 static const struct column {
     const char *name;
     size_t offset; /* of a float in struct trk_sample */
-    uint32_t bit;  /* that makes it mean something */
+    uint32_t bit;  /* of trk_sample.valid: the value is valid */
 } columns[] = {
 #define COLUMN(name, member, bit)                                                                            \
     {                                                                                                        \
@@ -46,14 +47,14 @@ static const struct column {
     COLUMN("screen_x[0..1]", screen[0], TRK_SCREEN),
     COLUMN("screen_y[0..1]", screen[1], TRK_SCREEN),
 };
-/* The last two columns are there only in logs of trackers with a screen. */
+/* Only logs of trackers with a screen have the last two columns. */
 enum {
     COLUMNS = sizeof columns / sizeof *columns,
     PLAIN = WHOLE + COLUMNS - 2,
     WITH_SCREEN = WHOLE + COLUMNS
 };
 
-/* What must have unit length, by its bit. */
+/* The vectors that must have unit length if their bit is set. */
 static const struct unit {
     uint32_t bit;
     const char *name;
@@ -171,7 +172,7 @@ const struct trk_log_format trk_log_own = {
 
 /* --- writing --- */
 
-/* Write number with a point before its last so many decimals; returns the length. */
+/* Write an integer with a point before its last `decimals` digits. Returns the length. */
 static size_t print_number(char *out, uint64_t number, int decimals)
 {
     int length = 0;
@@ -186,9 +187,9 @@ static size_t print_number(char *out, uint64_t number, int decimals)
     return (size_t)length;
 }
 
-/* Write value, above 0, as printf("%.*g", digits, value) would, and return the length. 0: the text would have
- * an exponent, or rounding in double leaves its last digit in doubt. *out_read: what strtof() reads back from
- * it; where that is not value, nothing is written and the length is 1.
+/* Write value, which is above 0, as printf("%.*g", digits, value) would, and return the length. Returns 0 if
+ * the text would have an exponent, or if rounding in double leaves its last digit in doubt. *out_read becomes
+ * the float that strtof() would read from the text; if it is not value, nothing is written and 1 is returned.
  */
 static size_t print_plain(char *out, double value, int digits, float *out_read)
 {
@@ -200,7 +201,8 @@ static size_t print_plain(char *out, double value, int digits, float *out_read)
     int decimals = digits - 1 - exponent;
     double scaled = value * scales[decimals], whole = rint(scaled);
     if (fabs(fabs(scaled - whole) - 0.5) < 1e-5 || whole >= scales[digits]) return 0;
-    /* The quotient is the double next to what is written; a float is next to both, but for a tie. */
+    /* `read` is the double nearest to the written number. Rounding it to float gives the float nearest to the
+     * written number, except if `read` lies exactly halfway between two floats. */
     double read = whole / scales[decimals];
     uint64_t bits;
     memcpy(&bits, &read, sizeof bits);
@@ -212,8 +214,8 @@ static size_t print_plain(char *out, double value, int digits, float *out_read)
     return print_number(out, number, decimals);
 }
 
-/* The fewest digits, up to the nine that always suffice, that read back as the same float; after a separator.
- * Most fields of most logs are 0, and printf() is slow. */
+/* Write a separator, and the value with as few digits as read back as the same float; nine always suffice.
+ * Zeros do not go through printf(), because most fields of most logs are 0 and printf() is slow. */
 static size_t print_float(char *out, size_t size, float value)
 {
     const bool negative = signbit(value);
@@ -275,7 +277,7 @@ size_t trk_own_row(const struct trk_sample *sample, bool with_screen, char out_t
         if (bits & columns[i].bit) memcpy(&value, (const char *)sample + columns[i].offset, sizeof value);
         length += print_float(out_text + length, TRK_OWN_SIZE - length, value);
     }
-    out_text[length++] = '\n'; /* 80 digits and 31 floats of 16 bytes leave room in a line of 4096 */
+    out_text[length++] = '\n'; /* fits: at most 80 digits and 31 floats of 16 bytes, in 4096 bytes */
     out_text[length] = '\0';
     return length;
 }

@@ -1,10 +1,10 @@
 /* Logs of Pico Neo headsets (Tobii inside), from Unity: a table with tabs.
  *
- * Timeline is in seconds. Combine Eye Gaze Vector is the gaze in the head, a unit vector or zeros when lost;
- * an eye's Pose Status is a mask, 52 when it sees the eye and 0 when not; Openness is 0 or 1. Head Rotation
- * is Unity's Euler angles in degrees, Head Position metres where it is written. The maker's interface to
- * Unity gives vectors in Unity's frame (+X right, +Y up, +Z forward), and that is what is assumed and said:
- * no real log was at hand, and the rows of the tests are made from the documentation. */
+ * Timeline is in seconds. Combine Eye Gaze Vector is the gaze in the head: a unit vector, or zeros when lost.
+ * Pose Status of an eye is a mask: 52 if the tracker sees the eye, 0 if it does not. Openness is 0 or 1. Head
+ * Rotation holds Unity's Euler angles in degrees; Head Position, which some logs lack, is in metres. The
+ * maker's interface to Unity gives vectors in Unity's frame (+X right, +Y up, +Z forward). The reader assumes
+ * this frame, and says so in a note. We had no real log; the rows of the tests follow the documentation. */
 #include "log/formats.h"
 
 #include <math.h>
@@ -55,7 +55,7 @@ static bool read_row(void *context, struct trk_sample *sample, char out_error[TR
             return false;
         trk_set_openness(sample, eye, openness);
     }
-    /* A status that is missing means nothing. */
+    /* A missing status says nothing about the eye. */
     if (!(status[0] == 0 && status[1] == 0)) trk_set_direction(sample, 2, gaze, &reader->frame);
     for (int i = 0; i < 3; i++)
         if (isnan(position[i])) position[i] = 0;

@@ -1,22 +1,24 @@
 /* Logs of Pupil Labs: Core (gaze_positions.csv of Pupil Player) and Cloud (gaze.csv of Invisible and Neon).
  *
- * Core. gaze_timestamp (older: timestamp) is in seconds of a monotonic clock with any zero; a few rows in a
- * thousand go back, and are sorted. gaze_normal0 and eye_center0 are the right eye's, ...1 the left one's, in
- * mm, in the frame of the scene camera: +X right, +Y down, +Z forward. How this is known: in real rows eye
- * centre 0 has x = +18 mm and eye centre 1 x = -39 mm; and a gaze point with x = -25, y = -31, z = 268 mm
- * stands beside norm_pos (0.438, 0.573), whose origin is the picture's bottom left corner: left and up. Gaze
- * is the way from the scene camera to gaze_point_3d, the point that Pupil computes: rows of one eye, which
- * leave the other's fields empty and may take turns, have it too, while their normals are each eye's own and
- * differ by the angle of vergence. Rows that were mapped in 2-D have norm_pos alone, which is taken through a
- * pinhole: that of the rows which have both, else the camera's usual picture of 1280 x 720, 77.7 degrees
- * wide. confidence below 0.6, Pupil's own threshold, is a lost sample. No such file was at hand whole: rows
- * of the tests are made from the documentation and two quoted rows.
+ * Core. gaze_timestamp (older: timestamp) is in seconds of a monotonic clock with an arbitrary zero. In a few
+ * rows of a thousand it goes back; the reader sorts the rows. gaze_normal0 and eye_center0 (in mm) belong to
+ * the right eye, ...1 to the left eye, in the frame of the scene camera: +X right, +Y down, +Z forward. How
+ * this is known: in real rows eye centre 0 has x = +18 mm and eye centre 1 has x = -39 mm; and the row of a
+ * gaze point with x = -25, y = -31, z = 268 mm, which is to the left and up, has norm_pos (0.438, 0.573),
+ * which counts from the picture's bottom left corner. The direction of gaze is from the scene camera to
+ * gaze_point_3d, the point that Pupil computes. Rows of one eye, which leave the other eye's fields empty and
+ * may alternate, have that point too, but their normals belong to one eye each and differ by the angle of
+ * vergence. Rows that were mapped in 2-D have only norm_pos; the reader converts it with a pinhole camera,
+ * fitted to the rows that have both, or else with the camera's usual picture of 1280 x 720, 77.7 degrees
+ * wide. A sample with confidence below 0.6, Pupil's own threshold, is lost. We had no complete file; the rows
+ * of the tests follow the documentation and two quoted rows.
  *
- * Cloud. timestamp [ns] is of the Unix epoch; azimuth and elevation are degrees from the scene camera's axis,
- * to the right and up. In the real recording azimuth grows with gaze x [px] and elevation falls as gaze y
- * [px] grows, which count from the picture's top left corner; and while the head turns to the right, by the
- * gyroscope of the same recording, azimuth falls: the eye stays behind (the test measures both). Samples that
- * have a blink id are of a closed eye and count as lost; so do those of glasses that are not worn. */
+ * Cloud. timestamp [ns] counts from the Unix epoch; azimuth and elevation are degrees from the scene camera's
+ * axis, to the right and up. In the real recording, azimuth grows with gaze x [px] and elevation falls as
+ * gaze y [px] grows; these count from the picture's top left corner. And while the head turns to the right,
+ * according to the gyroscope of the same recording, azimuth falls, because the eye stays behind (the test
+ * measures both). Samples with a blink id are of a closed eye, and count as lost; so do samples of glasses
+ * that are not worn. */
 #include "error.h"
 #include "log/formats.h"
 #include "log/samples.h"
@@ -51,19 +53,20 @@ static const char *const core_names[CORE_COLUMNS] = {
 #define SCENE_FOV_DEG  77.7
 #define MIN_CONFIDENCE 0.6
 
-/* Of rows with a place in the picture and a direction, in an axis: sums for a straight line between them. */
+/* Sums for fitting a straight line along one axis of the picture, over the rows that have both a place in the
+ * picture and a direction. */
 struct fit {
-    double x, y, xx, xy; /* x: way across by way ahead; y: share of the picture */
+    double x, y, xx, xy; /* x: offset / distance ahead; y: fraction of the picture */
 };
 
 struct core {
     struct trk_table table;
     struct trk_frame frame;
     struct trk_log_clock clock;
-    int place[CORE_COLUMNS]; /* those of an eye are -1 in recordings without 3-D */
+    int place[CORE_COLUMNS]; /* -1 for the columns of an eye in recordings without 3-D */
     int base_data;
     struct fit fits[2];
-    size_t fitted, flat; /* rows in fits; rows that have norm_pos alone */
+    size_t fitted, flat; /* rows in fits; rows with only norm_pos */
     size_t doubtful;
     uint64_t sequence;
 };
@@ -84,8 +87,8 @@ static bool begin_core(struct core *core, struct trk_reading *reading, char out_
     return true;
 }
 
-/* The eye that a row was made from, if it is one alone: base_data lists "TIME-EYE", with 0 for the right one.
- * -1: both, or it is not known. */
+/* Which eye a row was made from, or -1 if from both, or if that is not known. base_data lists "TIME-EYE",
+ * with EYE 0 for the right eye. */
 static int eye_of(const struct core *core)
 {
     const char *at = core->base_data >= 0 ? core->table.fields[core->base_data] : "";
@@ -97,7 +100,8 @@ static int eye_of(const struct core *core)
     return seen[0] == seen[1] ? -1 : seen[1] ? 1 : 0;
 }
 
-/* Take the vector to the point as direction, and for the fit of the camera. */
+/* The direction of gaze is the vector to the point. If the row has norm_pos as well, it also counts for the
+ * fit of the camera. */
 static void take_point(struct core *core, const float point[3], const double norm[2],
                        struct trk_sample *sample)
 {
@@ -112,14 +116,14 @@ static void take_point(struct core *core, const float point[3], const double nor
     core->fitted++;
 }
 
-/* Take a place in the picture; it becomes a direction once all rows are read. */
+/* Keep a place in the picture; it is converted to a direction after all rows are read. */
 static void take_norm_pos(struct core *core, const double norm[2], struct trk_sample *sample)
 {
     const int eye = eye_of(core);
     sample->screen[0] = (float)norm[0];
     sample->screen[1] = (float)(1 - norm[1]);
     if (eye >= 0 && !(sample->valid & (TRK_LEFT_DIRECTION | TRK_RIGHT_DIRECTION))) {
-        sample->eye[eye].direction[0] = NAN; /* the same then */
+        sample->eye[eye].direction[0] = NAN; /* turn_norm_pos() sets it */
         sample->valid |= TRK_LEFT_DIRECTION << 4 * eye;
     }
     sample->valid |= TRK_SCREEN;
@@ -154,7 +158,7 @@ static bool read_core_row(void *context, struct trk_sample *sample, char out_err
         !trk_table_number(table, core->place[NORM + 1], &norm[1], out_error) ||
         !trk_table_numbers(table, &core->place[POINT], 3, point, out_error))
         return false;
-    bool sure = confidence >= MIN_CONFIDENCE; /* not if it is NaN */
+    bool sure = confidence >= MIN_CONFIDENCE; /* false if it is NaN */
     core->doubtful += !sure;
     for (int i = 0; i < 2; i++) {
         float normal[3], centre[3];
@@ -175,8 +179,9 @@ static bool read_core_row(void *context, struct trk_sample *sample, char out_err
     return true;
 }
 
-/* A picture's axis by the rows that show it; false if they do not. Where gaze hardly moves along it, its
- * middle is not to be seen and is taken to be the picture's. */
+/* Fit the middle and the focal length of one axis of the picture from the rows that have both a place and a
+ * direction. False if these rows do not determine them. If gaze hardly moves along the axis, the middle
+ * cannot be fitted, and 0.5 is assumed. */
 static bool solve(const struct core *core, int axis, double *out_middle, double *out_focal)
 {
     const struct fit *fit = &core->fits[axis];
@@ -266,13 +271,13 @@ static bool is_worn(const char *field)
 {
     double number;
     if (trk_parse_double(field, &number)) return number > 0;
-    return strcasecmp(field, "false") != 0; /* empty is not known */
+    return strcasecmp(field, "false") != 0; /* empty: not known, so worn */
 }
 
 struct cloud {
     struct trk_table table;
     struct trk_log_clock clock;
-    int place[CLOUD_COLUMNS], worn, blink; /* the last two are -1 where there are none */
+    int place[CLOUD_COLUMNS], worn, blink; /* worn, blink: -1 if the column is absent */
     double signs[2], unit_ns;
     size_t blinks;
     uint64_t sequence;

@@ -1,18 +1,19 @@
 /* The rate of a log. In many logs the steps of time are uneven: a tracker stamps its samples in bursts, a
- * host was held up and then catches up, times of a camera of 120 Hz are whole ms, stamps were skipped.
- * Between them are pauses and losses, which must not count. So the rate is that of the mean of the steps that
- * are not gaps. The gaps follow from the rate and the rate from the gaps, so both are found in turns. The
- * turns start from the median step: where most steps are even, it makes few of them gaps. Where it makes many
- * of them gaps, samples come in bursts, and the turns start from the mean of all steps. */
+ * host falls behind and catches up, the times of a camera at 120 Hz are rounded to whole ms, or stamps are
+ * skipped. There are also pauses and lost samples, which must not count. So the rate follows from the mean of
+ * all steps that are not gaps. The gaps depend on the rate and the rate on the gaps, so the search for both
+ * alternates. It starts from the median step; if most steps are even, few of them are gaps compared with the
+ * median. If many are, samples come in bursts, and the search starts again from the mean of all steps. */
 #include "tracker.h"
 
-/* Steps are even if so many of them are from half to twice the median, and no more than so many are gaps
- * by it; of gaps that are no longer than a burst, fewer. */
+/* Steps are even if at least least_even of them are from half to twice the median, and if the search that
+ * starts from the median finds at most most_gaps of them to be gaps, or at most most_short_gaps if no gap is
+ * longer than the pause of a burst. */
 static const double least_even = 0.7, most_gaps = 0.15, most_short_gaps = 0.05;
 
 enum { TURNS = 64 };
 
-/* How many samples may come at once, and what is a pause whatever comes after it. */
+/* How many samples may come at once, and how long a step must be to be a gap whatever its neighbours are. */
 static const struct burst {
     size_t samples;
     double pause_ns;
@@ -23,8 +24,9 @@ static double step_ns(const struct trk_log *log, size_t i)
     return (double)(trk_log_time(log, i) - trk_log_time(log, i - 1));
 }
 
-/* How much time is missing in the steps around this one, at the least: a step that is long only because those
- * beside it are short, as where samples come in bursts, is no gap. */
+/* The time that is missing around a step: the least excess over the mean in any run of up to `samples` steps
+ * that includes it. A step that is long only because its neighbours are short, as in bursts, misses little.
+ */
 static double missing_ns(const struct trk_log *log, double mean_ns, size_t samples, size_t i)
 {
     double least = step_ns(log, i) - mean_ns, before = least;
@@ -46,8 +48,8 @@ static bool is_gap(const struct trk_log *log, double mean_ns, const struct burst
             missing_ns(log, mean_ns, burst->samples, i) > (TRK_GAP_STEPS - 1) * mean_ns);
 }
 
-/* The median step, without a list of all steps: its digits are found one by one, the highest first. The steps
- * that share the digits found so far are counted by their next digit. */
+/* The median step, found digit by digit from the highest, so that no list of all steps is needed. Each pass
+ * counts the next digit of the steps that share the digits found so far. */
 static uint64_t find_median(const struct trk_log *log)
 {
     enum { DIGIT = 11, HIGHEST = 55 }; /* bits */
@@ -67,7 +69,7 @@ static uint64_t find_median(const struct trk_log *log)
     return median_ns;
 }
 
-/* The share of steps that are from half to twice the median. */
+/* The fraction of steps that are from half to twice the median. */
 static double find_even(const struct trk_log *log, uint64_t median_ns)
 {
     size_t even = 0;
@@ -78,7 +80,8 @@ static double find_even(const struct trk_log *log, uint64_t median_ns)
     return (double)even / (double)(log->count - 1);
 }
 
-/* Leave out the steps that are gaps by this mean, and take that of the others, until no more change. */
+/* Leave out the steps that are gaps compared with the mean, take the mean of the other steps, and repeat
+ * until the number of gaps stays the same. */
 static void settle(const struct trk_log *log, double mean_ns, const struct burst *burst,
                    struct trk_rate *rate)
 {

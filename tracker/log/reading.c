@@ -1,4 +1,4 @@
-/* What all readers share: notes on assumptions, and on the files that were read. */
+/* What all readers share: noting assumptions, and noting which files were read. */
 #include "log/reading.h"
 
 #include "error.h"
@@ -16,7 +16,7 @@ void trk_assume(struct trk_reading *reading, const char *format, ...)
     va_start(arguments, format);
     vsnprintf(assumed + length, TRK_ASSUMED_SIZE - length, format, arguments);
     va_end(arguments);
-    trk_make_printable(assumed + length); /* what a file names its columns */
+    trk_make_printable(assumed + length); /* the text may hold column names from the file */
 }
 
 void trk_note_source(struct trk_log *log, int fd)

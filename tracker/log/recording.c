@@ -1,4 +1,4 @@
-/* Several recordings in one table, and the one that the option names. */
+/* Several recordings in one table, and the choice of one by an option. */
 #include "log/recording.h"
 
 #include "error.h"
@@ -11,7 +11,7 @@ static bool is_same(const struct trk_recording *a, const struct trk_recording *b
     return strcmp(a->participant, b->participant) == 0 && strcmp(a->name, b->name) == 0;
 }
 
-/* Write how a recording is called: with its participant if the name alone is not unique. */
+/* The text that identifies a recording: its name, with its participant if the name is not unique. */
 static void label(const struct trk_reading *reading, const struct trk_recording *recording,
                   char out_label[2 * TRK_RECORDING_SIZE])
 {
@@ -23,7 +23,8 @@ static void label(const struct trk_reading *reading, const struct trk_recording 
              is_both || !*recording->name ? recording->participant : "", is_both ? "/" : "", recording->name);
 }
 
-/* The option may be the name, the participant, or both with a slash between. */
+/* Does the option name the recording? It may be the recording's name, the participant, or PARTICIPANT/NAME.
+ */
 static bool is_wanted(const struct trk_recording *recording, const char *option)
 {
     size_t length = strlen(recording->participant);
@@ -62,7 +63,7 @@ enum trk_recording_row trk_recording_of_row(struct trk_reading *reading, const c
                                                                      : TRK_RECORDING_WANTED;
 }
 
-/* Write "A, B or C": the recordings that the option may mean, or all. */
+/* Write "A, B, C": the recordings that match the option, or all of them. */
 static void list(const struct trk_reading *reading, bool of_option, char *out_text, size_t size)
 {
     const char *option = reading->options->recording;

@@ -1,4 +1,4 @@
-/* What every log must hold, whatever its format: order, limits, sorting. */
+/* Checks on the samples of every format: order, limits, sorting. */
 #include "log/rows.h"
 
 #include "log/clocks.h"
@@ -58,7 +58,7 @@ static int by_time(const void *a, const void *b)
     return (x->place > y->place) - (x->place < y->place);
 }
 
-/* Sort by time; samples of the same time keep their order. False when memory is short. */
+/* Sort by time; samples of equal time keep their order. False if memory runs out. */
 static bool sort(struct trk_log *log)
 {
     struct moment *moments = malloc(log->count * sizeof *moments);

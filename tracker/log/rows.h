@@ -1,4 +1,4 @@
-/* rows: what every log must hold, whatever its format: order, limits, sorting. */
+/* rows: checks on the samples of every format: order, limits, sorting. */
 #ifndef FOVEAD_TRACKER_LOG_ROWS_H
 #define FOVEAD_TRACKER_LOG_ROWS_H
 
@@ -6,8 +6,8 @@
 
 enum { TRK_MAX_ROWS = 64 * 1024 * 1024 }; /* 6 days at 120 Hz */
 
-/* The longest span of device time, 104 days in ns: beyond 2^53 a double no longer counts nanoseconds, and a
- * speed factor could not be applied exactly. */
+/* The longest span of device time, 104 days in ns. Beyond 2^53 a double no longer represents every
+ * nanosecond, so a speed factor could not be applied exactly. */
 #define TRK_MAX_DEVICE_NS (UINT64_C(1) << 53)
 
 #define TRK_MAX_DISORDER_NS UINT64_C(1000000000)
@@ -17,8 +17,8 @@ enum { TRK_MAX_ROWS = 64 * 1024 * 1024 }; /* 6 days at 120 Hz */
 bool trk_log_append(struct trk_reading *reading, const struct trk_sample *sample,
                     char out_error[TRK_ERROR_SIZE]);
 
-/* Sort a disordered log, whose times start at TRK_MAX_DISORDER_NS so that none is below 0, and number its
- * samples again. False when memory is short. */
+/* Sort the samples of a log whose rows may be out of order, and renumber them. Their times start at
+ * TRK_MAX_DISORDER_NS, so that no time is below 0 before the sort. False if memory runs out. */
 bool trk_rows_sort(struct trk_reading *reading);
 
 #endif

@@ -1,21 +1,22 @@
-/* Logs of the Salient360! toolbox (David et al.): gaze in the head, and the head, while people looked at
- * panoramas in a headset; from Unity. Two families.
+/* Logs of the Salient360! toolbox (David et al.), from Unity: the head pose, and gaze in the head, while
+ * people looked at panoramas in a headset. There are two families of logs.
  *
  * Static (still panoramas; Tobii at 120 Hz): OcutimeStamp is the tracker's clock in us, UnityTimeStamp the
- * host's in ms. cameraPosition and cameraRotation (x, y, z, w) are the head in Unity's left-handed frame.
- * leftEyeDirection and rightEyeDirection are in the head, valL and valR say whether they hold anything; a
+ * host's in ms. cameraPosition and cameraRotation (x, y, z, w) are the head pose in Unity's left-handed
+ * frame. leftEyeDirection and rightEyeDirection are in the head; valL and valR say whether they are valid. A
  * lost eye is NaN. meanBasePoint and meanGazeDirection are in neither frame (the direction stays near (0, -1,
- * 0) while the eyes move), so that the combined gaze is made from the eyes.
+ * 0) while the eyes move), so the reader computes the combined gaze from the eyes.
  *
- * Dynamic (panoramic video; SMI at 250 Hz): oculoTS in ns, unityTS in ms; cam_pitch, cam_yaw, cam_roll are
- * Unity's Euler angles in degrees; meanGazeDir, leftGazeDir and rightGazeDir are in the head. Every row lacks
- * the comma between binPor.y and Lval ("666.5324True,True", "NaNFalse,False"), so that it has a field less
- * than the header; a file without that defect reads as well. sphere_yaw says how the picture was turned about
- * the viewer and is not applied: gaze is that in the room.
+ * Dynamic (panoramic video; SMI at 250 Hz): oculoTS is in ns, unityTS in ms. cam_pitch, cam_yaw and cam_roll
+ * are Unity's Euler angles in degrees; meanGazeDir, leftGazeDir and rightGazeDir are in the head. Every row
+ * lacks the comma between binPor.y and Lval ("666.5324True,True", "NaNFalse,False"), so it has one field less
+ * than the header. The reader also accepts a file without that defect. sphere_yaw is the angle by which the
+ * picture was turned about the viewer; the reader does not apply it, so gaze is relative to the room.
  *
- * Signs: +X is to the right, as the base points say (the left eye's x is -31 mm, the right one's +34 mm); and
- * while the head turns and the eye holds its target, the eye must turn against the head: it does with these
- * signs in yaw and in pitch (the test measures it), and with no other. Units of base points are metres. */
+ * Signs: +X is to the right, as the base points show (the left eye's x is -31 mm, the right eye's +34 mm).
+ * And while the head turns and the eye holds its target, the eye must turn against the head. With these signs
+ * it does, in yaw and in pitch (the test measures it); with any other signs it does not. Base points are in
+ * metres. */
 #include "log/formats.h"
 
 #include <math.h>
@@ -23,7 +24,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* The columns of one family, in an order that both share. */
+/* The columns of a family. The order is the same in both families. */
 enum {
     DEVICE,
     HOST,
@@ -31,7 +32,7 @@ enum {
     RIGHT_DIRECTION = LEFT_DIRECTION + 3,
     LEFT_ORIGIN = RIGHT_DIRECTION + 3,
     RIGHT_ORIGIN = LEFT_ORIGIN + 3,
-    HEAD_ROTATION = RIGHT_ORIGIN + 3, /* 4 of a quaternion, or 3 angles */
+    HEAD_ROTATION = RIGHT_ORIGIN + 3, /* a quaternion (4 columns) or angles (3) */
     HEAD_POSITION = HEAD_ROTATION + 4,
     COLUMNS = HEAD_POSITION + 3,
 };
@@ -62,14 +63,15 @@ struct reader {
     struct trk_log_clock device, host;
     double device_unit_ns;
     int place[COLUMNS];
-    int valid[2]; /* columns of the eyes' flags */
+    int valid[2]; /* columns of the validity of each eye */
     bool is_dynamic;
     size_t mended;
     int64_t first_host_ms;
     uint64_t sequence;
 };
 
-/* Put back the separator that the dynamic family lacks: before a word that stands against a number. */
+/* Insert the separator that rows of the dynamic family lack: it belongs before a True or False that directly
+ * follows a number. */
 static size_t mend_row(void *context, struct trk_table *table, size_t count)
 {
     static char words[2][6] = {"False", "True"};
@@ -113,7 +115,8 @@ static bool read_head(struct reader *reader, struct trk_sample *sample, char out
     return true;
 }
 
-/* The host counts ms from the year 1, which in ns is beyond any integer: from the first one here. */
+/* The host counts ms from the year 1. In ns that does not fit in an int64_t, so the times are counted from
+ * the first one. */
 static bool read_host(struct reader *reader, int64_t *out_ns, char out_error[TRK_ERROR_SIZE])
 {
     int64_t ms;

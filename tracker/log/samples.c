@@ -1,16 +1,17 @@
-/* The samples of a log, packed. A log may have tens of millions of them; a struct trk_sample has room for
- * everything that any tracker measures, and a log fills only a few of its fields.
+/* The samples of a log, packed. A log may have tens of millions of samples. A struct trk_sample has room for
+ * everything that any tracker measures, but a log fills only a few of its fields.
  *
- * A block holds up to ROWS consecutive samples. In a block a field takes the same number of bits in every
- * row, as many as its largest remainder needs. The remainder of a sequence number, device time or delay is
- * its height above a line with the slope from the first row to the last; the remainder of any other field is
- * its height above the lowest value. A field whose remainders are all 0 takes no bits. A float is kept as its
- * bits. Fields that no sample of the block has are left out. So is the combined gaze where trk_combine()
- * makes the same from the eyes; reading a sample then calls trk_combine(). Samples come out as they went in,
- * bit for bit; only fields whose valid bit is unset come out as 0.
+ * A block holds up to ROWS consecutive samples. In a block, a field takes the same number of bits in every
+ * row: as many as its largest remainder needs. The remainder of a sequence number, device time or delay is
+ * its height above a line that has the slope from the first row to the last; the remainder of any other field
+ * is its height above the lowest value. If all remainders of a field are 0, it takes no bits. A float is
+ * treated as an integer with the same bits. A field that no sample of the block has is left out. The combined
+ * gaze is left out too if trk_combine() computes the same values from the eyes; then reading a sample calls
+ * trk_combine(). A sample comes out exactly as it went in, bit for bit, except that fields whose valid bit is
+ * unset come out as 0.
  *
- * At most one block is open, as an array of samples: the last one while the log grows, or another one while
- * its samples are replaced. */
+ * At most one block is open, as an array of samples: the last block while the log grows, or another block
+ * while its samples are replaced. */
 #include "log/samples.h"
 
 #include "gaze.h"
@@ -20,18 +21,18 @@
 
 enum { ROWS = 512 };
 
-/* Value of row i: base + i step + what is in the row's bits, modulo 2^64. */
+/* The value in row i is base + i * step + the column's bits in that row, modulo 2^64. */
 struct column {
     uint64_t base, step;
     uint64_t mask;   /* 1s, as many as bits */
-    uint16_t at;     /* of the first of the bits in a row */
-    uint16_t bits;   /* how many they are: 0 to 64 */
+    uint16_t at;     /* of the column's first bit in a row */
+    uint16_t bits;   /* number of bits: 0 to 64 */
     uint16_t offset; /* floats only: in struct trk_sample */
-    uint16_t valid;  /* floats only: the TRK_* bit of the rows that have it */
+    uint16_t valid;  /* floats only: the TRK_* bit that marks rows with a value */
 };
 
-/* The columns that every block has, before those of floats. DELAY is arrival time less device time, which
- * in most logs are the same. */
+/* Every block begins with these columns; the columns of floats follow. DELAY is arrival time minus device
+ * time; in most logs it is 0. */
 enum { SEQUENCE, DEVICE, DELAY, SENSOR, VALID, WHOLE };
 
 static const struct group {
@@ -56,19 +57,19 @@ enum { MOST_COLUMNS = WHOLE + sizeof(struct trk_sample) / sizeof(float) };
 
 struct head {
     uint32_t columns, row_bits;
-    uint32_t combined; /* TRK_DIRECTION, TRK_ORIGIN: left out, for trk_combine() makes it */
+    uint32_t combined; /* TRK_DIRECTION, TRK_ORIGIN: left out, because trk_combine() computes it */
 };
 
 struct block {
     struct head head;
-    struct column column[]; /* the rows follow, as words of 64 bits that are filled from the lowest bit on */
+    struct column column[]; /* then the rows, packed into 64-bit words from the lowest bit up */
 };
 
 struct trk_samples {
-    struct block **blocks; /* the open one is NULL */
+    struct block **blocks; /* NULL for the open block */
     size_t room;           /* of blocks */
     struct trk_sample *open;
-    size_t open_index; /* of the open block; SIZE_MAX: none is */
+    size_t open_index; /* of the open block; SIZE_MAX if none */
 };
 
 /* --- one block --- */
@@ -84,7 +85,7 @@ static uint64_t value_at(const struct block *block, int column, size_t row)
     return c->base + row * c->step + (rest & c->mask);
 }
 
-/* Make the combined gaze of a sample that has all but these bits of it. */
+/* Compute these parts (bits) of the combined gaze of a sample. All its other fields are already set. */
 static void combine(struct trk_sample *sample, uint32_t bits)
 {
     const uint32_t valid = sample->valid;
@@ -132,7 +133,7 @@ static uint64_t value_of(const struct trk_sample *sample, int column, size_t off
     }
 }
 
-/* Find how many bits a column's values need in a row, and beyond what. */
+/* Find the base and the step of a column, and the number of bits that its remainders need. */
 static void fit(struct column *c, int column, const struct trk_sample *samples, size_t count)
 {
     int64_t low = INT64_MAX, high = INT64_MIN;
@@ -153,7 +154,8 @@ static void fit(struct column *c, int column, const struct trk_sample *samples, 
     c->mask = c->bits ? UINT64_MAX >> (64 - c->bits) : 0;
 }
 
-/* Of the combined gaze, what trk_combine() makes of the eyes in all samples that have it. */
+/* The parts of the combined gaze that trk_combine() computes exactly from the eyes, in all samples that have
+ * these parts. */
 static uint32_t find_combined(const struct trk_sample *samples, size_t count)
 {
     uint32_t combined = TRK_DIRECTION | TRK_ORIGIN;
@@ -172,7 +174,7 @@ static uint32_t find_combined(const struct trk_sample *samples, size_t count)
     return combined;
 }
 
-/* Find the columns of these samples, and what they need. */
+/* Find which columns these samples need, and the layout of a row. */
 static void plan(struct head *head, struct column columns[MOST_COLUMNS], const struct trk_sample *samples,
                  size_t count)
 {
@@ -193,7 +195,7 @@ static void plan(struct head *head, struct column columns[MOST_COLUMNS], const s
     }
 }
 
-/* NULL when memory is short. */
+/* NULL if memory runs out. */
 static struct block *pack_block(const struct trk_sample *samples, size_t count)
 {
     struct column columns[MOST_COLUMNS] = {0};
@@ -225,7 +227,8 @@ static struct block *pack_block(const struct trk_sample *samples, size_t count)
 
 /* --- all of them --- */
 
-/* Pack the open block of count samples in all, if there is one. False when memory is short. */
+/* Pack the open block, if there is one. count is the number of samples in the log. False if memory runs out.
+ */
 static bool close_block(struct trk_samples *samples, size_t count)
 {
     if (samples->open_index == SIZE_MAX) return true;
@@ -237,7 +240,7 @@ static bool close_block(struct trk_samples *samples, size_t count)
     return true;
 }
 
-/* Make room for a block of this index. False when memory is short. */
+/* Make room for a block with this index. False if memory runs out. */
 static bool grow(struct trk_samples *samples, size_t index)
 {
     if (index < samples->room) return true;
@@ -250,7 +253,8 @@ static bool grow(struct trk_samples *samples, size_t index)
     return true;
 }
 
-/* Open the block with sample i, which may be the first after the last; NULL when memory is short. */
+/* Open the block of sample i, and return the sample's place. i may be one past the last sample. NULL if
+ * memory runs out. */
 static struct trk_sample *open_at(struct trk_log *log, size_t i)
 {
     const size_t index = i / ROWS;

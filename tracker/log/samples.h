@@ -7,15 +7,15 @@
 
 #include "tracker.h"
 
-/* Append a sample. False when memory is short; the log is then as it was. */
+/* Append a sample. False if memory runs out; then the log is unchanged. */
 bool trk_samples_add(struct trk_log *log, const struct trk_sample *sample);
 
-/* Replace sample i of log->count. Fast where i goes up or down step by step. False when memory is short; the
- * log is then as it was. */
+/* Replace sample i. Fast if successive calls go up or down in steps of one. False if memory runs out; then
+ * the log is unchanged. */
 bool trk_samples_put(struct trk_log *log, size_t i, const struct trk_sample *sample);
 
-/* To be called when no more is to be added or replaced for now: pack the block that is still open. False when
- * memory is short. */
+/* Pack the block that is still open. Call it when no samples are to be added or replaced for now. False if
+ * memory runs out. */
 bool trk_samples_pack(struct trk_log *log);
 
 /* Accepts NULL. */

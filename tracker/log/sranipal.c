@@ -1,37 +1,40 @@
-/* Logs of HTC headsets: columns of the SRanipal SDK's eye data, and the head pose as Unity has it.
+/* Logs of HTC headsets: columns with the eye data of the SRanipal SDK, and the head pose from Unity.
  *
- * A header names the columns; they are found by name, and others are left alone. Every laboratory has its own
- * script that writes these files, after HTC's example: fields are separated by `;`, commas or tabs, in the
- * header also by runs of spaces over rows with tabs; with helmet_* columns or without. Real rows were at hand
- * of the first kind; the others are made from what is known of them.
+ * The reader finds the columns by their names in the header, and ignores others. Every laboratory writes
+ * these files with its own script, modelled on HTC's example. Fields are separated by `;`, by commas or by
+ * tabs; some headers have runs of spaces above rows with tabs. Some files have helmet_* columns and some do
+ * not. We had real rows only of the kind with `;`; the tests' rows of the other kinds are made from what is
+ * known of them.
  *
- * Time. time_stamp(ms) is the tracker's own clock, a signed 32-bit count that starts anywhere and wraps; its
- * steps are the 8 or 9 ms of a 120 Hz camera. It becomes device_ns, unwrapped. time(100ns) is the host's
- * clock in .NET ticks when the program fetched the sample; its steps wander by 2 ms. It becomes arrival_ns,
- * from the first row. Rows with equal time are the same frame fetched twice and pass; time going back is
- * refused.
+ * Time. time_stamp(ms) is the tracker's own clock, a signed 32-bit count that starts at any value and wraps;
+ * its steps are the 8 or 9 ms of a 120 Hz camera. Unwrapped, it becomes device_ns. time(100ns) is the host's
+ * clock, in .NET ticks, when the program fetched the sample; its steps vary by 2 ms. Counted from the first
+ * row, it becomes arrival_ns. Rows with equal times hold the same frame, fetched twice; they are accepted. A
+ * time that goes back is refused.
  *
  * Eyes. SRanipal's frame is right-handed, in mm, +Y up and +Z forward, so +X points to the wearer's left. Two
- * things in real recordings confirm it: the left eye's origin has x = +38 mm and the right eye's -32 mm; and
+ * facts in real recordings confirm it. The left eye's origin has x = +38 mm and the right eye's -32 mm. And
  * while the head turns and the eye holds its target (vestibulo-ocular reflex), the eye must turn against the
- * head: with x read as left, eye and head yaw velocity have slope -0.8, with x read as right +0.8, and the
- * world gaze moves 3 times as much. Half a turn about Y takes this frame to ours: (-x, y, -z). Some scripts
- * turn the gaze to Unity's frame before they write it: that is what the frame option is for (RUF).
+ * head: if x is read as left, the slope of eye yaw velocity against head yaw velocity is -0.8; if x is read
+ * as right, it is +0.8, and gaze moves 3 times as much in the world. Half a turn about Y converts this frame
+ * to the project's: (-x, y, -z). Some scripts turn the gaze to Unity's frame before they write it; for such
+ * files, set the frame option to RUF.
  *
  * Validity is a mask for each eye: bit 0 origin, 1 direction, 2 pupil, 3 openness, 4 place in the camera's
- * picture; 31 is all. A lost direction is (0,0,0), a lost pupil -1, a lost origin the last one.
+ * picture; 31 means that all are valid. When lost, a direction is (0,0,0), a pupil is -1, and an origin keeps
+ * its last value.
  *
  * Head. Unity's frame is left-handed, +X right, +Y up, +Z forward, in metres. Its Euler angles are degrees,
- * wrap at 360 and are applied about Z, then X, then Y. Mirroring Z takes it to ours: the position's z and the
- * angles about X and Y change sign, the angle about Z does not.
- */
+ * wrap at 360 and are applied about Z, then X, then Y. Mirroring Z converts it to the project's frame: the
+ * position's z and the angles about X and Y change sign; the angle about Z does not. */
 #include "log/formats.h"
 
 #include <cglm/cglm.h>
 #include <math.h>
 #include <string.h>
 
-/* The columns that are read, in an order of our own: three of the row, nine of each eye, six of the head. */
+/* The columns that the reader uses, in an order of its own: three of the row, nine of each eye, six of the
+ * head. */
 enum {
     TICKS,
     STAMP,
@@ -57,15 +60,15 @@ static const char *const names[COLUMNS] = {
 };
 /* clang-format on */
 
-/* Bits of SRanipal's mask of an eye. */
+/* Bits of SRanipal's validity mask of an eye. */
 enum { HAS_ORIGIN = 1, HAS_DIRECTION = 2, HAS_PUPIL = 4, HAS_OPENNESS = 8 };
 
-/* One file as it is read. */
+/* The state while a file is read. */
 struct reader {
     struct trk_reading *reading;
     struct trk_table table;
     struct trk_frame frame;
-    int place[COLUMNS]; /* where each of ours is; -1 for a head that is not there */
+    int place[COLUMNS]; /* position of each column in the header; -1 if the head is absent */
     bool started;
     int64_t first_tick, first_frame;
     uint32_t last_stamp;
@@ -90,7 +93,7 @@ static bool read_header(struct reader *reader, char out_error[TRK_ERROR_SIZE])
                           out_error);
 }
 
-/* Both clocks and the sequence number. */
+/* Read both clocks, and find the sequence number. */
 static bool read_time(struct reader *reader, struct trk_sample *out_sample, char out_error[TRK_ERROR_SIZE])
 {
     struct trk_table *table = &reader->table;
@@ -109,30 +112,31 @@ static bool read_time(struct reader *reader, struct trk_sample *out_sample, char
         reader->first_frame = frame;
         reader->last_stamp = (uint32_t)stamp;
     }
-    /* Modulo 2^32: a step of more than half the range is one back. */
+    /* The step is modulo 2^32: a step of more than half the range is a step back. */
     uint32_t step = (uint32_t)stamp - reader->last_stamp;
     if (step > INT32_MAX)
         return trk_lines_fail(&reader->reading->lines, out_error,
                               "%s goes back by %u ms, expected it never to", names[STAMP], -step);
-    const int64_t ticks = tick - reader->first_tick; /* fits: see trk_table_time() */
+    const int64_t ticks = tick - reader->first_tick; /* cannot overflow: see trk_table_time() */
     if (ticks < 0 || ticks > INT64_MAX / 100)
         return trk_lines_fail(&reader->reading->lines, out_error,
                               "%s is %lld, expected %lld or a little later", names[TICKS], (long long)tick,
                               (long long)reader->first_tick);
     reader->last_stamp = (uint32_t)stamp;
     reader->device_ms += step;
-    /* A skipped frame is a lost sample; a frame fetched twice or a counter that starts anew is not. */
+    /* Frames that were skipped count as lost samples. A frame that was fetched twice, or a counter that
+     * restarts, loses no sample. */
     uint64_t counted = frame < reader->first_frame ? 0 : (uint64_t)(frame - reader->first_frame) + 1;
     reader->sequence = counted > reader->sequence ? counted : reader->sequence + 1;
 
     out_sample->sequence = reader->sequence;
-    out_sample->device_ns = reader->device_ms * 1000000; /* trk_log_append() refuses long before this wraps */
+    out_sample->device_ns = reader->device_ms * 1000000; /* trk_log_append() refuses it before it wraps */
     out_sample->arrival_ns = (uint64_t)ticks * 100;
     return true;
 }
 
-/* n numbers in columns that follow each other in our order; NaN where they are missing. When they are not
- * valid, whatever text is there passes. */
+/* Read n numbers from successive columns in the reader's order; NaN if one is missing. If they are not valid,
+ * their text is not checked. */
 static bool read_floats(struct reader *reader, int column, int n, bool valid, float *out_values,
                         char out_error[TRK_ERROR_SIZE])
 {

@@ -20,12 +20,13 @@ void trk_header_parse(struct trk_header *header, const char *line, char separato
     header->line[length] = '\0';
     header->separator = separator ? separator : trk_separator_of(header->line);
     header->count = trk_split(header->line, header->separator, header->names);
-    /* Empty names at the end come from superfluous separators, which rows may have too. */
+    /* Names that are empty at the end of the header come from superfluous separators. Rows may have them too.
+     */
     while (header->count > 1 && header->count <= TRK_MAX_FIELDS && *header->names[header->count - 1] == '\0')
         header->count--;
 }
 
-/* The next character of a name that counts; 0 at its end. */
+/* The next significant character of a name; 0 at its end. */
 static int next_letter(const char **at)
 {
     while (**at && **at != '[' && !isalnum((unsigned char)**at)) ++*at;
@@ -67,7 +68,7 @@ bool trk_header_has(const struct trk_header *header, const char *const columns[]
     return true;
 }
 
-/* The column of the first of these names that the header has; -1: none. */
+/* The column of the first of these names that is in the header, or -1. */
 static int find_any(const struct trk_header *header, const char *const names[])
 {
     for (int i = 0; names[i]; i++) {
@@ -106,15 +107,15 @@ bool trk_table_need(struct trk_table *table, const char *const names[], int n, i
     return true;
 }
 
-/* Do not count empty fields after the expected ones: they come from superfluous separators. */
+/* Do not count empty fields after the expected ones, because superfluous separators make them. */
 static size_t count_filled(char *const *fields, size_t count, size_t expected)
 {
     while (count > expected && count <= TRK_MAX_FIELDS && *fields[count - 1] == '\0') count--;
     return count;
 }
 
-/* Find the separator of the rows, which may differ from that of the header: one that cuts the first row into
- * as many fields. */
+/* Find the separator of the rows, which may differ from the header's: the one that splits the first row into
+ * as many fields as the header has. */
 static void find_separator(struct trk_table *table)
 {
     const struct trk_header *header = &table->reading->header;
@@ -135,7 +136,7 @@ static void find_separator(struct trk_table *table)
         }
 }
 
-/* Cut a row into its fields. *out_is_empty: all fields are empty. */
+/* Split a row into its fields. *out_is_empty: all fields are empty. */
 static enum trk_line split(struct trk_table *table, bool *out_is_empty, char out_error[TRK_ERROR_SIZE])
 {
     struct trk_lines *lines = &table->reading->lines;
@@ -153,7 +154,7 @@ static enum trk_line split(struct trk_table *table, bool *out_is_empty, char out
     return count < expected ? trk_short_row(table->reading) : TRK_LINE_FAILED;
 }
 
-/* Take the next row of the file, of whatever recording. */
+/* Take the next row of the file, whichever recording it belongs to. */
 static enum trk_line next_row(struct trk_table *table, bool is_taken, char out_error[TRK_ERROR_SIZE])
 {
     const char *text = table->reading->lines.text;
@@ -274,8 +275,8 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Measure the steps forward in the first rows: their median and their mean; 0 if there are none. False on
- * failure. */
+/* Find the median and the mean of the steps forward in the first rows; both are 0 if there are no such steps.
+ * False on failure. */
 static bool measure_steps(struct trk_table *table, int column, double out_steps[2],
                           char out_error[TRK_ERROR_SIZE])
 {
@@ -321,7 +322,7 @@ double trk_table_guess_unit(struct trk_table *table, int column, char out_error[
                    step);
         return units[unit].ns;
     }
-    /* With one sample or none, any unit will do. */
+    /* A log with at most one time works with any unit. */
     if (steps[0] == 0) return 1e6;
     trk_lines_fail(
         &reading->lines, out_error,

@@ -1,25 +1,28 @@
-/* Tobii Pro Lab's data export: a table with tabs. Names of columns carry the unit in square brackets; older
- * exports have the same names without.
+/* Tobii Pro Lab's data export: a table with tabs. Column names give the unit in square brackets; older
+ * exports have the same names without brackets.
  *
- * Recording timestamp is the recording computer's clock and becomes arrival_ns: [ms] or [μs], and without
- * brackets either, which its steps tell. Eyetracker timestamp [μs] is the tracker's and becomes device_ns;
- * where there is none, the first serves for both. Rows of other sensors (mouse, gyroscope, events) lie
- * between those of "Eye Tracker" and are skipped; where no Sensor was exported, a row of the tracker is one
- * that has its time, else a validity, else a gaze, or else is no event's and no mouse's. Validity is Valid or
- * Invalid, in older exports 0 (best) to 4 (lost), of which Tobii advises to use 0 and 1; where it was not
- * exported, gaze that is there is valid. Missing is empty. A decimal comma is understood.
+ * Recording timestamp is the recording computer's clock, and becomes arrival_ns. It is in [ms] or [μs];
+ * without brackets it may be in either, and the reader guesses the unit from the steps. Eyetracker timestamp
+ * [μs] is the tracker's clock, and becomes device_ns; if it is absent, Recording timestamp serves as both.
+ * Between the rows of "Eye Tracker" there are rows of other sensors (mouse, gyroscope, events), which the
+ * reader skips. If there is no column Sensor, the reader recognises the tracker's rows by the first of these
+ * columns that was exported: the tracker's time, the validity of an eye, gaze. Without gaze in it, a row
+ * still counts as the tracker's if it is neither an event nor a mouse position. Validity is Valid or Invalid;
+ * in older exports it is 0 (best) to 4 (lost), and Tobii advises to use 0 and 1. If no validity was exported,
+ * all gaze counts as valid. A missing value is an empty field. Numbers may have a decimal comma.
  *
- * Trackers on a display have a frame of its own, DACS: from its top left corner, +X right, +Y down, +Z
- * towards the viewer. Gaze direction left X.. [DACS norm] says all; else the way from Eye position left X..
- * to Gaze point left X.., both in [DACS mm], does; else there are pixels, Gaze point X, Y [DACS px], of a
- * display whose size is Recording resolution width and height, and how far away it was is assumed or told.
- * The first row that has any decides for all. Glasses: Gaze direction left X.. [HUCS norm] are unit vectors
- * in the head unit, +X to the wearer's left, +Y up, +Z forward, as in Tobii Pro Glasses 3 (see glasses3.c),
- * and Eye position.. or Pupil position.. [HUCS mm] where they start. Without brackets they are told by a Gaze
- * point 3D, which only they export, or by a +Z that is forward.
+ * Trackers on a display have their own frame, DACS: from the display's top left corner, +X right, +Y down, +Z
+ * towards the viewer. The reader takes gaze from the first of these that is there: Gaze direction left X..
+ * [DACS norm]; the direction from Eye position left X.. to Gaze point left X.., both in [DACS mm]; Gaze point
+ * X, Y [DACS px]. The size of the display in pixels is Recording resolution width and height; how far away it
+ * was comes from the options or is assumed. The first row with gaze decides for all rows. For glasses, Gaze
+ * direction left X.. [HUCS norm] are unit vectors in the head unit's frame, +X to the wearer's left, +Y up,
+ * +Z forward, as in Tobii Pro Glasses 3 (see glasses3.c), and Eye position.. or Pupil position.. [HUCS mm]
+ * are the origins. In exports without brackets, the reader recognises glasses by a column Gaze point 3D,
+ * which only glasses export, or by directions whose Z is positive, that is, forward.
  *
- * No real export of gaze was at hand: the rows of the tests are made from the documentation, from what public
- * readers expect, and, for times without a unit, after real rows of a glasses' export without gaze. */
+ * We had no real export of gaze. The rows of the tests follow the documentation, and what public readers
+ * expect; rows of times without a unit follow a real export from glasses that holds no gaze. */
 #include "log/formats.h"
 
 #include <math.h>
@@ -32,12 +35,12 @@ enum {
     EYE_ORIGIN = EYE_DIRECTION + 3,
     EYE_PUPIL = EYE_ORIGIN + 3,
     EYE_VALID,
-    EYE_PLACE, /* and the point that it looks at: mm, of the display */
+    EYE_PLACE, /* the eye's place; EYE_POINT_MM is its point of gaze: mm, DACS */
     EYE_POINT_MM = EYE_PLACE + 3,
     EYE_COLUMNS = EYE_POINT_MM + 2
 };
 
-/* What gaze is made from. */
+/* The columns that the gaze comes from. */
 enum way { UNDECIDED, GLASSES, DIRECTIONS, MILLIMETRES, PIXELS };
 
 struct reader {
@@ -86,12 +89,12 @@ static void find_eye(struct reader *reader, const struct trk_header *header, int
             name[sizeof name - 2] = "XYZ"[i - EYE_ORIGIN];
             columns[i] = find_of_eye(header, name, eye_columns[i].unit, eye);
         }
-        /* Points without a unit are pixels. */
+        /* Points without a unit are in pixels. */
         if (i >= EYE_POINT_MM && columns[i] >= 0 && !strchr(header->names[columns[i]], '[')) columns[i] = -1;
     }
 }
 
-/* The unit of Recording timestamp: what its brackets say, else what the steps of the first rows tell. */
+/* Find the unit of Recording timestamp: from its brackets, or else from the steps of the first rows. */
 static bool find_unit(struct reader *reader, char out_error[TRK_ERROR_SIZE])
 {
     struct trk_reading *reading = reader->table.reading;
@@ -101,7 +104,8 @@ static bool find_unit(struct reader *reader, char out_error[TRK_ERROR_SIZE])
     return reader->recording_unit_ns > 0;
 }
 
-/* Is it of glasses, by its header? Directions without a frame are of a display where there is one. */
+/* Does the header show that the export is of glasses? Directions without a frame are of a display, unless
+ * there is a Gaze point 3D. */
 static bool is_of_glasses(const struct reader *reader, const struct trk_header *header)
 {
     for (int eye = 0; eye < 2; eye++) {
@@ -151,7 +155,7 @@ static bool has(const struct reader *reader, int column)
     return column >= 0 && !trk_is_missing(reader->table.fields[column]);
 }
 
-/* Rows of the tracker alone. */
+/* Is the row a sample of the tracker? */
 static bool is_gaze(const struct reader *reader)
 {
     if (reader->sensor >= 0) return strcasecmp(reader->table.fields[reader->sensor], "Eye Tracker") == 0;
@@ -188,7 +192,7 @@ static bool is_valid(const struct reader *reader, int eye)
     return strcasecmp(field, "Valid") == 0 || (trk_parse_double(field, &level) && level <= 1);
 }
 
-/* What a row says of one eye's gaze. */
+/* The fields of one eye in a row. */
 struct eye {
     float direction[3], origin[3], place[3], point_mm[2];
     double pupil, point[2];
@@ -214,8 +218,8 @@ static bool is_finite(const float *v, int n)
     return isfinite(sum);
 }
 
-/* Directions go before ways in mm, and these before pixels, whose screen has to be assumed, unless it was
- * told. */
+/* Decide where gaze comes from: directions if there are any, else positions in mm, else pixels, because for
+ * pixels the screen must be assumed. If the options describe the screen, pixels come first. */
 static bool decide(struct reader *reader, const struct eye eyes[2], const double both[2],
                    char out_error[TRK_ERROR_SIZE])
 {
@@ -267,7 +271,7 @@ static bool read_times(struct reader *reader, struct trk_sample *sample, char ou
     if (!trk_table_time(&reader->table, reader->recording, reader->recording_unit_ns, &host_ns, out_error))
         return false;
     device_ns = host_ns;
-    /* Glasses have no such clock, and leave its column empty. */
+    /* Glasses have no such clock: they leave this column empty. */
     if (!reader->device.started && reader->tracker >= 0 && !has(reader, reader->tracker))
         reader->tracker = -1;
     if (reader->tracker >= 0 && !trk_table_time(&reader->table, reader->tracker, 1e3, &device_ns, out_error))
@@ -316,7 +320,7 @@ static bool read_tobii_lab(struct trk_reading *reading, char out_error[TRK_ERROR
     return true;
 }
 
-/* Which columns there are is for whoever exports to say. */
+/* The user of Tobii Pro Lab chooses which columns to export. */
 static bool detect(const struct trk_reading *reading)
 {
     static const char *const gaze[] = {
