@@ -313,7 +313,8 @@ static void bad_sidecars_are_refused(void **state)
                 "x_coordinate's Units are 'mm'");
     bad_sidecar("\"timestamp\", \"x_coordinate\"", "\"timestamp\", \"x\"",
                 "lacks a column, expected 'x_coordinate'");
-    bad_sidecar("\"timestamp\", \"x_coordinate\"", "7, \"x_coordinate\"", "holds no name as entry 1");
+    bad_sidecar("\"timestamp\", \"x_coordinate\"", "7, \"x_coordinate\"",
+                "entry 1 of the sidecar's Columns is not a name");
     bad_sidecar(", \"other\"", "", "5 columns, expected 4");
     unlink(sidecar);
     assert_false(trk_log_read(path, &log, error));
@@ -330,7 +331,8 @@ static void ambiguity_is_refused(void **state)
     struct trk_log log;
     spill(path, text, strlen(text));
     assert_false(trk_log_read(path, &log, error));
-    assert_non_null(strstr(error, ":1: may be any of gazebase, gazebase-vr: expected the format to be told"));
+    assert_non_null(
+        strstr(error, ":1: may be any of gazebase, gazebase-vr: expected an option that names the format"));
     assert_true(trk_log_read_with(path, &(struct trk_log_options){.format = "gazebase-vr"}, &log, error));
     assert_true(sample_at(&log, 0)->valid & TRK_LEFT_DIRECTION);
     trk_log_finish(&log);
@@ -357,7 +359,7 @@ static void units_of_time_are_guessed_or_refused(void **state)
     static const char text_of_none[] = "time,pixel_x,pixel_y,position_x,position_y\n0,1,1,1,1\n100,1,1,1,1\n";
     spill(path, text_of_none, strlen(text_of_none));
     assert_false(trk_log_read(path, &log, error));
-    assert_non_null(strstr(error, "steps of 100, which is no rate of an eye tracker"));
+    assert_non_null(strstr(error, "steps of 100, which is not a rate of an eye tracker"));
 }
 
 /* --- gzip --- */

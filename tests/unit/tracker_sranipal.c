@@ -274,12 +274,12 @@ static void clocks_that_stand(void **state)
     struct trk_log log;
     accepted(HEADER ROW("638342802882596202", "50", "5") ROW("638342802882679535", "50", "6"), &log);
     assert_int_equal(sample_at(&log, 1)->device_ns, 8333300);
-    assert_non_null(strstr(log.assumed, "time_stamp(ms) stands still: time is by time(100ns)"));
+    assert_non_null(strstr(log.assumed, "time_stamp(ms) stands still: time is taken from time(100ns)"));
     trk_log_finish(&log);
     accepted(HEADER ROW("6.38343E+17", "50", "5") ROW("6.38343E+17", "58", "6"), &log);
     assert_int_equal(sample_at(&log, 1)->device_ns, 8000000);
     assert_int_equal(sample_at(&log, 1)->arrival_ns, 8000000);
-    assert_non_null(strstr(log.assumed, "time(100ns) stands still: time is by time_stamp(ms)"));
+    assert_non_null(strstr(log.assumed, "time(100ns) stands still: time is taken from time_stamp(ms)"));
     trk_log_finish(&log);
     refused(HEADER ROW("7", "50", "5") ROW("7", "50", "6"), ": ", "time_stamp(ms) stands still");
 }

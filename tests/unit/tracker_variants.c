@@ -126,7 +126,7 @@ static void tobii_screen_without_units(void **state)
           "117\t960\t300\t0\t-0.173648\t-0.984808\tValid\n"
           "133\t960\t540\t0\t0\t-1\tInvalid\n",
           NULL, "Recording timestamp is in ms");
-    assert_non_null(strstr(log_read.assumed, "eyes' directions from the display (DACS)"));
+    assert_non_null(strstr(log_read.assumed, "eyes' directions in the display's frame (DACS)"));
     assert_null(strstr(log_read.assumed, "screen"));
     is(0, 0, 10, 0);
     is(1, 17, 0, 10);
@@ -163,7 +163,7 @@ static void gazepoint_joins_its_media(void **state)
                     "0,\"0.00000\",30005200000,0.5,0.5,1,0.5,0.108162,1,\"\"\n"
                     "2,\"0.03333\",30005533300,0.5,0.5,1,0.5,0.108162,0,\"\"\n"
                     "0,\"-0.00001\",30005733300,0.5,0.5,1,0.5,0.5,1,\"\"\n",
-          NULL, "TIME begins anew 1 times, joined by the ticks");
+          NULL, "restarts of TIME, joined by the ticks: 1");
     is(0, 0, 0, 0);
     is(1, 500, 10, 0);
     is(2, 520, 0, 10);
@@ -248,11 +248,11 @@ static void bids_screens_are_in_the_events(void **state)
     reads(rows, "RDF", ""); /* the option takes precedence */
     is(1, 1, 0, -10);
     spill(other[1], EVENTS("[\"center\"]"));
-    refused(rows, "ScreenOrigin is no corner");
+    refused(rows, "ScreenOrigin is not a corner");
     spill(other[1], "{\"StimulusPresentation\": ");
     refused(rows, "events.json:1: ");
     spill(other[1], EVENTS("\"top-left\""));
-    refused(rows, "ScreenOrigin is no corner");
+    refused(rows, "ScreenOrigin is not a corner");
 }
 
 /* --- further variants --- */
@@ -313,7 +313,7 @@ static void pupil_core_2d_among_3d(void **state)
     }
     snprintf(text + length, sizeof text - length, "5.12,0,1.0,%.6f,0.53,1-0,,,,,,,,,,,,,,,\n",
              0.48 + 0.9 * tan(10 * M_PI / 180));
-    reads(text, NULL, "through a scene camera 58.1 degrees wide, as the other rows show it");
+    reads(text, NULL, "through a scene camera 58.1 degrees wide, fitted to the other rows");
     assert_int_equal(log_read.count, 13);
     is(12, 120, 10, 0);
     assert_int_equal(sample_at(&log_read, 12)->valid & (TRK_LEFT_DIRECTION | TRK_RIGHT_DIRECTION),
@@ -370,7 +370,7 @@ static void clocks_that_do_not_run(void **state)
     };
     for (size_t i = 0; i < sizeof refusals / sizeof *refusals; i++) refused(refusals[i][0], refusals[i][1]);
     reads(GAZEPOINT "0,7,30000000000,0.5,0.5,1,0.5,0.5,1,\"\"\n1,7,30000166667,0.5,0.5,1,0.5,0.5,1,\"\"\n",
-          NULL, "TIME stands still: time is by TIME_TICK");
+          NULL, "TIME stands still: time is taken from TIME_TICK");
     is(1, 16.6667, 0, 0);
     reads("time,position_x,position_y,pixel_x\n1.00E+03,1,1,1\n1.01E+03,1,1,1\n1.02E+03,1,1,1\n", NULL,
           "a spreadsheet has rounded the times to 10 ms (1.00E+03)");

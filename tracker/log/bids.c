@@ -92,8 +92,7 @@ static bool read_columns(struct reader *reader, char out_error[TRK_ERROR_SIZE])
         const char *name = json_string_value(json_array_get(columns, i));
         if (!name || !*name || strpbrk(name, "\t\r\n") || used + strlen(name) + 2 > sizeof reading->scratch)
             return trk_lines_fail(&reading->lines, out_error,
-                                  "the sidecar's Columns holds no name as entry %zu, "
-                                  "expected short texts",
+                                  "entry %zu of the sidecar's Columns is not a name, expected a short text",
                                   i + 1);
         used += (size_t)sprintf(header + used, "%s%s", used ? "\t" : "", name);
     }
@@ -154,8 +153,7 @@ static bool turn_to_origin(struct reader *reader, char out_error[TRK_ERROR_SIZE]
     if (is_seen[0] && is_seen[1]) return true;
     return trk_lines_fail(
         &reading->lines, out_error,
-        "ScreenOrigin is no corner, expected top or bottom and left or right, or the frame to be "
-        "told");
+        "ScreenOrigin is not a corner, expected top or bottom and left or right, or an option for the frame");
 }
 
 static bool init_screen(struct reader *reader, char out_error[TRK_ERROR_SIZE])

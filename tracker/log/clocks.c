@@ -26,8 +26,8 @@ bool trk_log_clock_count(struct trk_log_clock *clock, int64_t time_ns, struct tr
     if (ns < 0 || (uint64_t)ns < clock->last_ns) {
         double back_ns = (double)clock->last_ns - (double)ns;
         if (back_ns > (double)TRK_MAX_STEP_BACK_NS)
-            return trk_lines_fail(&reading->lines, out_error, "time goes back by %g s, expected it never to",
-                                  back_ns / 1e9);
+            return trk_lines_fail(&reading->lines, out_error,
+                                  "time goes back by %g s, expected times in order", back_ns / 1e9);
         reading->held++;
     } else {
         clock->last_ns = (uint64_t)ns;
@@ -117,7 +117,7 @@ bool trk_check_clocks(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE
     if (device == RUNS && host == RUNS) return true;
     const bool by_host = device != RUNS;
     if (!take_clock(log, by_host)) return trk_fail(out_error, "%.200s: no memory", reading->lines.path);
-    trk_assume(reading, "%.60s %s: time is by %.60s", names[!by_host],
+    trk_assume(reading, "%.60s %s: time is taken from %.60s", names[!by_host],
                (by_host ? device : host) == STANDS ? "stands still" : "is rounded", names[by_host]);
     return true;
 }

@@ -222,7 +222,7 @@ void trk_say_dialect(struct trk_reading *reading)
     const struct trk_lines *lines = &reading->lines;
     if (reading->has_decimal_commas) trk_assume(reading, "commas in numbers are decimal");
     if (reading->cut_line) trk_assume(reading, "line %zu was cut off and is left out", reading->cut_line);
-    if (reading->held) trk_assume(reading, "times that go back, held: %zu", reading->held);
+    if (reading->held) trk_assume(reading, "times that go back, held at the time before: %zu", reading->held);
     if (lines->ends_in_zeros) trk_assume(reading, "the file ends in zero bytes, which are left out");
-    if (lines->is_gzip_cut) trk_assume(reading, "the gzip data is cut off: what followed is lost");
+    if (lines->is_gzip_cut) trk_assume(reading, "the gzip data is cut off: the rest is lost");
 }

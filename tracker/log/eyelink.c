@@ -72,10 +72,9 @@ static bool read_samples_line(struct reader *reader, char out_error[TRK_ERROR_SI
     const char *text = reader->reading->lines.text;
     double rate;
     if (!strstr(text, "GAZE"))
-        return trk_lines_fail(
-            &reader->reading->lines, out_error,
-            "samples are '%.40s', expected GAZE (no place on the screen follows from others)",
-            text + strlen("SAMPLES"));
+        return trk_lines_fail(&reader->reading->lines, out_error,
+                              "samples are '%.40s', expected GAZE (others give no place on the screen)",
+                              text + strlen("SAMPLES"));
     reader->eyes = (strstr(text, "LEFT") ? LEFT_EYE : 0) | (strstr(text, "RIGHT") ? RIGHT_EYE : 0);
     reader->rate_hz = numbers_after(text, "RATE", &rate, 1) == 1 && rate >= 1 && rate <= 1e5 ? rate : 0;
     return true;
@@ -243,8 +242,8 @@ static bool init_plane(struct reader *reader, const struct segment *segment, con
                  segment->first ? " from there on" : "");
     }
     if (says && segment->first)
-        trk_assume(reader->reading, "from sample %zu on coordinates are of %.0f x %.0f px",
-                   segment->first + 1, width, height);
+        trk_assume(reader->reading, "from sample %zu on the screen is %.0f x %.0f px", segment->first + 1,
+                   width, height);
     if (!trk_plane_init(out_plane, reader->reading, (double[]){width, height}, width / height * squeeze,
                         fov_deg, says ? what : NULL, out_error))
         return false;

@@ -166,9 +166,9 @@ static bool finish(struct reader *reader, char out_error[TRK_ERROR_SIZE])
             "%s: holds fixations (one a row: FPOGID is another in every row), expected the export of "
             "all gaze, ..._all_gaze.csv",
             reader->reading->lines.path);
-    if (reader->is_fixation) trk_assume(reader->reading, "no BPOG: gaze is that of fixations (FPOG)");
+    if (reader->is_fixation) trk_assume(reader->reading, "no BPOG: gaze is taken from fixations (FPOG)");
     if (reader->restarts)
-        trk_assume(reader->reading, "TIME begins anew %zu times, joined by the ticks", reader->restarts);
+        trk_assume(reader->reading, "restarts of TIME, joined by the ticks: %zu", reader->restarts);
     return true;
 }
 

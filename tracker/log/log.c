@@ -40,7 +40,8 @@ static const struct trk_log_format *detect(struct trk_reading *reading, char out
     }
     if (count == 1) return found;
     if (count > 1) {
-        trk_lines_fail(&reading->lines, out_error, "may be any of %s: expected the format to be told", names);
+        trk_lines_fail(&reading->lines, out_error,
+                       "may be any of %s: expected an option that names the format", names);
         return NULL;
     }
     for (int i = 1; i < FORMATS; i++) {
@@ -139,7 +140,7 @@ static bool check_taken(const struct trk_reading *reading, char out_error[TRK_ER
                           options->screen_width_m > 0 || options->screen_fov_deg > 0, options->recording};
     for (int i = 0; i < 4; i++)
         if (given[i] && !(reading->format->takes & 1u << i))
-            return trk_fail(out_error, "%s: a log of %s %s, expected none to be told", reading->lines.path,
+            return trk_fail(out_error, "%s: a log of %s %s, expected no option for it", reading->lines.path,
                             reading->format->name, names[i]);
     return true;
 }

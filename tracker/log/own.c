@@ -139,7 +139,7 @@ static bool read_row(struct trk_lines *lines, size_t expected, struct trk_sample
     for (size_t i = 0; i < sizeof units / sizeof *units; i++) {
         const float *v = (const float *)((const char *)out_sample + units[i].offset);
         if ((out_sample->valid & units[i].bit) && !trk_is_unit(v, units[i].size))
-            return trk_lines_fail(lines, out_error, "%s is not of unit length, expected that of a valid one",
+            return trk_lines_fail(lines, out_error, "%s is not of unit length, expected a length of 1",
                                   units[i].name);
     }
     return true;

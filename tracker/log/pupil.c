@@ -213,8 +213,8 @@ static bool init_camera(struct core *core, struct trk_plane *out_camera, char ou
     memcpy(out_camera->focal, focal, sizeof focal);
     trk_assume(
         reading,
-        "norm_pos, where there is no 3-D gaze (%zu samples), through a scene camera %.1f degrees wide, "
-        "as the other rows show it",
+        "samples without 3-D gaze: %zu, from norm_pos through a scene camera %.1f degrees wide, fitted to "
+        "the other rows",
         core->flat, 2 * atan(0.5 / focal[0]) * 180 / M_PI);
     return true;
 }
@@ -247,7 +247,7 @@ static bool read_core(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE
     if (!begin_core(&core, reading, out_error)) return false;
     if (!trk_table_read(&core.table, read_core_row, &core, out_error) || !turn_norm_pos(&core, out_error))
         return false;
-    if (core.fitted) trk_assume(reading, "gaze is the way from the scene camera to gaze_point_3d");
+    if (core.fitted) trk_assume(reading, "gaze is the direction from the scene camera to gaze_point_3d");
     if (core.doubtful)
         trk_assume(reading, "samples of confidence below %g, counted as lost: %zu", MIN_CONFIDENCE,
                    core.doubtful);

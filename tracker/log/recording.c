@@ -101,7 +101,7 @@ bool trk_recording_is_met(const struct trk_reading *reading, bool has_columns, c
     if (wanted <= 1 && !reading->has_more_recordings) return true;
     list(reading, true, names, sizeof names);
     return trk_fail(out_error,
-                    "%.100s: holds several recordings (%s), expected one to be told: foveactl gaze convert "
+                    "%.100s: holds several recordings (%s), expected a choice of one: foveactl gaze convert "
                     "--recording NAME",
                     reading->lines.path, names);
 }

@@ -32,10 +32,10 @@ bool trk_log_append(struct trk_reading *reading, const struct trk_sample *sample
     if (sample->device_ns + slack < reading->last_ns)
         return trk_lines_fail(&reading->lines, out_error, "device time goes back by %llu ns, expected %s",
                               (unsigned long long)(reading->last_ns - sample->device_ns),
-                              slack ? "less than a second" : "it never to");
+                              slack ? "less than a second" : "times in order");
     if (sample->arrival_ns + slack < reading->last_arrival_ns)
         return trk_lines_fail(&reading->lines, out_error,
-                              "arrival time goes back by %llu ns, expected it never to",
+                              "arrival time goes back by %llu ns, expected times in order",
                               (unsigned long long)(reading->last_arrival_ns - sample->arrival_ns));
     if (sample->sequence <= reading->last_sequence)
         return trk_lines_fail(&reading->lines, out_error, "sequence %llu, expected more than %llu",

@@ -82,7 +82,7 @@ static bool read_header(struct reader *reader, char out_error[TRK_ERROR_SIZE])
     if (!trk_table_need(&reader->table, names, HELMET_POSITION, reader->place, out_error)) return false;
     for (int i = HELMET_POSITION; i < COLUMNS; i++) reader->place[i] = -1;
     if (trk_header_find(header, names[HELMET_ROTATION]) < 0) {
-        trk_assume(reader->reading, "no head pose: gaze is that in the head");
+        trk_assume(reader->reading, "no head pose: gaze is relative to the head");
         return true;
     }
     if (!trk_table_need(&reader->table, &names[HELMET_ROTATION], 3, &reader->place[HELMET_ROTATION],
@@ -116,7 +116,7 @@ static bool read_time(struct reader *reader, struct trk_sample *out_sample, char
     uint32_t step = (uint32_t)stamp - reader->last_stamp;
     if (step > INT32_MAX)
         return trk_lines_fail(&reader->reading->lines, out_error,
-                              "%s goes back by %u ms, expected it never to", names[STAMP], -step);
+                              "%s goes back by %u ms, expected times in order", names[STAMP], -step);
     const int64_t ticks = tick - reader->first_tick; /* cannot overflow: see trk_table_time() */
     if (ticks < 0 || ticks > INT64_MAX / 100)
         return trk_lines_fail(&reader->reading->lines, out_error,
@@ -161,7 +161,7 @@ static bool read_eye(struct reader *reader, int index, struct trk_sample *sample
     bool is_seen = !isnan(direction[0] + direction[1] + direction[2]) && !glm_vec3_eq(direction, 0);
     if (is_seen && !trk_is_unit(direction, 3))
         return trk_lines_fail(&reader->reading->lines, out_error,
-                              "%s and the next two are not of unit length, expected that",
+                              "%s and the next two are not of unit length, expected a length of 1",
                               names[column + EYE_DIRECTION]);
     if (is_seen) trk_set_direction(sample, index, direction, &reader->frame);
     trk_set_origin(sample, index, origin, 1e-3f, &reader->frame);

@@ -326,8 +326,8 @@ double trk_table_guess_unit(struct trk_table *table, int column, char out_error[
     if (steps[0] == 0) return 1e6;
     trk_lines_fail(
         &reading->lines, out_error,
-        "%.60s has steps of %g, which is no rate of an eye tracker in any unit: expected the unit to "
-        "be told (s, ms, us or ns)",
+        "%.60s has steps of %g, which is not a rate of an eye tracker in any unit: expected an option for "
+        "the unit (s, ms, us or ns)",
         reading->header.names[column], steps[0]);
     return 0;
 }

@@ -235,12 +235,13 @@ static bool decide(struct reader *reader, const struct eye eyes[2], const double
         if (reader->way == GLASSES) reader->frame = trk_reading_frame(reading, "LUF");
         trk_assume(reading, reader->way == GLASSES
                                 ? "directions are of glasses (HUCS): their Z is forward"
-                                : "gaze is by the eyes' directions from the display (DACS)");
+                                : "gaze is the eyes' directions in the display's frame (DACS)");
     }
     for (int i = 0; i < 2 && reader->way == UNDECIDED && !(is_told && pixels); i++) {
         if (!is_finite(eyes[i].place, 3) || !is_finite(eyes[i].point_mm, 2)) continue;
         reader->way = MILLIMETRES;
-        trk_assume(reading, "gaze is the way from the eyes' positions to the gaze points, in mm (DACS)");
+        trk_assume(reading,
+                   "gaze is the direction from the eyes' positions to the gaze points, in mm (DACS)");
     }
     if (reader->way != UNDECIDED || !pixels) return true;
     reader->way = PIXELS;
