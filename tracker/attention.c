@@ -1,8 +1,8 @@
-/* From gaze to aim: classify, filter, hold, widen, fall back.
+/* From gaze to aim: classify and filter the gaze; hold, widen or give up the aim without gaze.
  *
- * Only this file decides what to aim at while there is no gaze, and when the aim stays where it is. events.c
- * classifies what the eye does; filter.c smooths the gaze. Every call brings its own time, so that a replay
- * leads to the same decisions as the live stream did. */
+ * Only this file decides where to aim while there is no gaze, and when the aim stays in place. events.c
+ * classifies what the eye does; filter.c smooths the gaze. The caller passes the time to every call, so that
+ * a replay leads to the same decisions as the live stream did. */
 #include "tracker.h"
 
 #include "arc.h"
@@ -16,14 +16,16 @@
 
 #define MS UINT64_C(1000000)
 
-/* The aim is held through a blink. What lasts longer than 500 ms is a loss, and the fovea widens. After 2 s
- * nobody knows where the eye looks, and the view's centre is the likeliest place. */
+/* The aim is held through a blink. An interruption of more than 500 ms counts as a loss, and the fovea
+ * widens. After 2 s without gaze the eye may look anywhere; the centre of the view is the likeliest place. */
 static const uint64_t held_ns = 500 * MS, given_up_ns = 2000 * MS;
 static const double widest = 4;
-/* In a fixation the aim stays while gaze is nearer to it than this, or than three deviations of the noise. */
+/* During a fixation the aim stays as long as gaze is nearer to it than 1 degree, or than three standard
+ * deviations of the noise if that is more. */
 static const double dead_zone_deg = 1, dead_zone_noises = 3;
-/* Main sequence, Dai et al. 2016: Vp = eta (1 - exp(-A / c)). Above 0.96 eta its inverse is of no use: there,
- * 25 deg/s of noise change the amplitude by 6 degrees. So predictions end at 19 degrees. */
+/* Main sequence of saccades, Dai et al. 2016: Vp = eta (1 - exp(-A / c)). Above 0.96 eta its inverse is
+ * useless, because there 25 deg/s of noise change the amplitude by 6 degrees. So the longest predicted
+ * saccade is 19 degrees. */
 static const double saccade_eta = 600, saccade_c = 6, invertible = 0.96;
 static const double largest_turn_deg = 20;
 
@@ -31,28 +33,28 @@ struct trk_attention {
     struct trk_attention_options options;
     struct trk_classifier classifier;
     struct trk_filter filter;
-    versor rotation; /* of recentring, in the head frame */
+    versor rotation; /* the correction by recentring, in the head frame */
 
     bool has_sample, has_gaze;
-    struct trk_sample sample; /* the newest */
-    uint64_t heard_ns;        /* now_ns of the newest sample: silence counts from it, not from the arrival */
-    double speed;             /* of device_ns relative to now_ns */
-    uint64_t gaze_ns;         /* device time of the newest sample with a gaze */
-    bool hidden;              /* the newest sample has no gaze; */
-    bool lids_known, lids_closed; /* what it says of the lids */
-    bool settling;                /* the eye has just reopened, and its gaze is not believed yet; */
-    uint64_t reopened_ns;         /* when that was, in device time */
+    struct trk_sample sample;     /* the newest */
+    uint64_t heard_ns;            /* now_ns when the newest sample came; silence counts from it */
+    double speed;                 /* of the device's clock relative to now_ns */
+    uint64_t gaze_ns;             /* device time of the newest sample with a gaze */
+    bool hidden;                  /* the newest sample has no gaze */
+    bool lids_known, lids_closed; /* what samples without gaze say of the lids */
+    bool settling;                /* the eye has just reopened; its gaze is not trusted yet */
+    uint64_t reopened_ns;         /* when the eye reopened, in device time */
 
     versor view;
     bool frozen;
     bool pinned;         /* the aim rests on a fixation */
-    struct trk_aim live; /* the aim if it were not frozen */
+    struct trk_aim live; /* what the aim is without freezing */
     struct trk_aim last; /* the last answer */
 };
 
 struct trk_attention *trk_attention_create(const struct trk_attention_options *options)
 {
-    /* versors want more alignment than calloc() promises */
+    /* aligned_alloc(), because versors need a stricter alignment than calloc() guarantees */
     struct trk_attention *a = aligned_alloc(_Alignof(struct trk_attention), sizeof *a);
     if (!a) return NULL;
     *a = (struct trk_attention){.options = *options, .speed = 1};
@@ -78,9 +80,9 @@ static void begin_anew(struct trk_attention *a)
     a->pinned = false;
 }
 
-/* Filter in the world, where gaze rests while the head turns. A saccade is not filtered; its last sample, at
- * which the eye rests already, is the first that is. A gap begins the filter anew, for the eye may be
- * elsewhere. */
+/* Filter the gaze in the world frame, because there gaze rests while the head turns. Saccades are not
+ * filtered: the filter starts again with the last sample of a saccade, at which the eye already rests. It
+ * also starts again after a gap, because the eye may be elsewhere. */
 static void smooth(struct trk_attention *a, uint64_t device_ns, const float world[3])
 {
     struct trk_classifier *c = &a->classifier;
@@ -89,8 +91,8 @@ static void smooth(struct trk_attention *a, uint64_t device_ns, const float worl
     trk_filter_step(&a->filter, world, dt_s);
 }
 
-/* Where a saccade will land: along its arc, by the amplitude that the main sequence gives for the speed that
- * it has reached. */
+/* Predict where a saccade will land: in its direction, at the amplitude that the main sequence gives for its
+ * peak speed so far, but not short of where it is. */
 static void predict(struct trk_attention *a, const float world[3], float out_world[3])
 {
     vec3 arc;
@@ -101,8 +103,8 @@ static void predict(struct trk_attention *a, const float world[3], float out_wor
     trk_along(a->classifier.from, arc, out_world);
 }
 
-/* Is the gaze of an eye that has reopened to be believed? Once it rests over three samples, or the lid must
- * be up. */
+/* Can the gaze of an eye that has reopened be trusted? It can once gaze has rested for three samples, or
+ * after so much time that the lid must be up. */
 static bool is_settled(const struct trk_attention *a)
 {
     const struct trk_classifier *c = &a->classifier;
@@ -111,7 +113,7 @@ static bool is_settled(const struct trk_attention *a)
            trk_angle_deg(a->filter.value, a->filter.raw) < fmax(TRK_LEAST_JUMP_DEG, 3 * c->noise_deg);
 }
 
-/* Aim at a gaze, unless it only trembles around the aim. */
+/* Aim at a gaze. The aim stays if gaze only trembles around it. */
 static void aim_at(struct trk_attention *a, const float world[3], const char *source)
 {
     const struct trk_classifier *c = &a->classifier;
@@ -144,7 +146,7 @@ static void see(struct trk_attention *a, const float head[3], const char *source
     const bool gap = a->has_gaze && sample->device_ns - a->gaze_ns >= TRK_BRIDGED_NS;
     float world[3];
     trk_to_world(sample, head, world);
-    if (again) return; /* a device that repeats itself */
+    if (again) return; /* the device repeats a sample */
     if ((gap || a->lids_closed) && a->hidden && !a->options.silence_is_rest) {
         a->settling = true;
         a->reopened_ns = sample->device_ns;
@@ -171,7 +173,7 @@ static void take(struct trk_attention *a, const struct trk_sample *sample, uint6
     float head[3];
     const char *source;
     if (a->has_sample &&
-        sample->device_ns < a->sample.device_ns) { /* another device, or one that began anew */
+        sample->device_ns < a->sample.device_ns) { /* another device, or its clock restarted */
         begin_anew(a);
         a->has_gaze = false;
         a->gaze_ns = sample->device_ns;
@@ -221,15 +223,15 @@ static void give_up(struct trk_attention *a, const char *why)
     a->pinned = false;
 }
 
-/* How long no sample has come, on the device's clock. */
+/* The time since the last sample came, on the device's clock. */
 static uint64_t silence_ns(const struct trk_attention *a, uint64_t now_ns)
 {
     if (now_ns <= a->heard_ns) return 0;
     return (uint64_t)fmin((double)(now_ns - a->heard_ns) * a->speed, 0x1p62);
 }
 
-/* Time passes: hold, widen or give up the aim if no eye is seen, because the newest sample shows none or
- * because none comes. */
+/* Let time pass: hold, widen or give up the aim if no eye is seen, because the newest sample shows none or
+ * because no samples come. */
 static void pass_time(struct trk_attention *a, uint64_t now_ns)
 {
     if (!a->has_gaze && a->live.state == TRK_FALLBACK) {
@@ -322,7 +324,7 @@ void trk_recentre_get(const struct trk_attention *attention, float out_rotation[
     memcpy(out_rotation, attention->rotation, 4 * sizeof *out_rotation);
 }
 
-/* Into the head of the newest sample. */
+/* Turn a direction from the world to the head frame of the newest sample. */
 static void to_head(const struct trk_attention *a, const float world[3], vec3 out_head)
 {
     versor head = GLM_QUAT_IDENTITY_INIT;
