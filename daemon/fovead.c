@@ -144,10 +144,10 @@ static void print_start(const struct daemon *daemon)
 {
     const struct rnd_scene_info *info = rnd_scene_info(daemon->scene);
     const struct dmn_options *options = &daemon->options;
-    struct dmn_gaze_state gaze;
+    struct dmn_gaze_status gaze;
     char address[PRO_ERROR_SIZE];
 
-    dmn_gaze_state(daemon->handles.gaze, &gaze);
+    dmn_gaze_status(daemon->handles.gaze, &gaze);
     dmn_report_left_out(info, options->scene.path);
     dmn_print(daemon->out, "scene    %s\n", daemon->picture.scene.line);
     dmn_print(daemon->out, "camera   %.8g,%.8g,%.8g m\n", info->camera[0], info->camera[1], info->camera[2]);
@@ -184,10 +184,10 @@ static void notify(const char *state)
 static void on_tick(void *argument)
 {
     struct daemon *daemon = argument;
-    struct dmn_gaze_state gaze;
+    struct dmn_gaze_status gaze;
     struct dmn_work work;
 
-    dmn_gaze_state(daemon->handles.gaze, &gaze);
+    dmn_gaze_status(daemon->handles.gaze, &gaze);
     dmn_report_recording(&daemon->told, &gaze);
     dmn_painter_work(daemon->handles.painter, &work);
     dmn_report_progress(&daemon->bar, &daemon->options, &work);
@@ -265,11 +265,11 @@ static void stop(struct daemon *daemon, struct dmn_work *out_work)
 /* End the recording, if there is one. */
 static bool finish_recording(struct daemon *daemon)
 {
-    struct dmn_gaze_state state;
+    struct dmn_gaze_status gaze;
     char text[DMN_TEXT_SIZE];
 
-    dmn_gaze_state(daemon->handles.gaze, &state);
-    if (!*state.recording) return true;
+    dmn_gaze_status(daemon->handles.gaze, &gaze);
+    if (!*gaze.recording) return true;
     if (!dmn_gaze_record(daemon->handles.gaze, NULL, false, text)) return fail(text);
     dmn_print(daemon->out, "fovead: %s\n", text);
     return true;
@@ -279,11 +279,11 @@ static bool finish(struct daemon *daemon, const struct dmn_work *work)
 {
     const char *save = daemon->options.save;
     char error[RND_ERROR_SIZE];
-    struct dmn_gaze_state gaze;
+    struct dmn_gaze_status gaze;
     bool saved = save && dmn_save_film(daemon->handles.render, save, error);
     bool recorded = finish_recording(daemon);
 
-    dmn_gaze_state(daemon->handles.gaze, &gaze);
+    dmn_gaze_status(daemon->handles.gaze, &gaze);
     dmn_report_summary(&daemon->options, &daemon->picture, work, &gaze, saved);
     return (!save || saved || fail(error)) && recorded;
 }

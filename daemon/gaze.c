@@ -12,7 +12,7 @@
 
 #include "gaze.h"
 #include "recording.h"
-#include "state.h"
+#include "recentring.h"
 
 /* Samples kept for clients: two seconds at 120 Hz, a quarter at a kilohertz. */
 enum { KEPT = 256 };
@@ -98,7 +98,7 @@ static bool open_source(struct dmn_gaze *gaze, const struct dmn_options *options
     }
     trk_get_status(gaze->source, &gaze->status);
     /* The rotation corrects a headset that has slipped. It is not for recorded logs. */
-    gaze->has_rotation = kind->is_device && !options->virtual_clock && dmn_state_load(gaze->rotation);
+    gaze->has_rotation = kind->is_device && !options->virtual_clock && dmn_recentring_load(gaze->rotation);
     return true;
 }
 
@@ -307,25 +307,25 @@ void dmn_gaze_aim(struct dmn_gaze *gaze, struct rnd_aim *out_aim)
     pthread_mutex_unlock(&gaze->lock);
 }
 
-void dmn_gaze_state(struct dmn_gaze *gaze, struct dmn_gaze_state *out_state)
+void dmn_gaze_status(struct dmn_gaze *gaze, struct dmn_gaze_status *out_status)
 {
     struct trk_recorder_status recorder;
 
     pthread_mutex_lock(&gaze->lock);
-    *out_state = (struct dmn_gaze_state){
+    *out_status = (struct dmn_gaze_status){
         .samples = gaze->samples,
         .valid = gaze->valid,
         .frozen = gaze->frozen,
         .ended = gaze->ended,
         .source = gaze->status,
     };
-    memcpy(out_state->direction, gaze->aim.gaze, sizeof(out_state->direction));
+    memcpy(out_status->direction, gaze->aim.gaze, sizeof(out_status->direction));
     pthread_mutex_unlock(&gaze->lock);
-    dmn_recording_tell(&gaze->recording, out_state->recording, &recorder);
-    out_state->recorded = recorder.written;
-    out_state->lost = recorder.lost;
-    out_state->recording_fails = recorder.failing;
-    memcpy(out_state->recording_error, recorder.error, sizeof(out_state->recording_error));
+    dmn_recording_tell(&gaze->recording, out_status->recording, &recorder);
+    out_status->recorded = recorder.written;
+    out_status->lost = recorder.lost;
+    out_status->recording_fails = recorder.failing;
+    memcpy(out_status->recording_error, recorder.error, sizeof(out_status->recording_error));
 }
 
 bool dmn_gaze_next(struct dmn_gaze *gaze, uint64_t *cursor, struct dmn_gaze_sample *out_sample)
@@ -413,7 +413,7 @@ bool dmn_gaze_recentre(struct dmn_gaze *gaze, const float *target_or_null, char 
                  " until fovead ends: it comes from no eye tracker");
         return true;
     }
-    good = dmn_state_save(rotation, error);
+    good = dmn_recentring_save(rotation, error);
     snprintf(out_text + length, DMN_TEXT_SIZE - length,
              good ? ", also after the next start%s" : ", but that is not kept: %s", good ? "" : error);
     return good;

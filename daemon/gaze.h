@@ -22,7 +22,7 @@ struct dmn_gaze_sample {
     struct trk_aim decision;
 };
 
-struct dmn_gaze_state {
+struct dmn_gaze_status {
     uint64_t samples, valid;
     float direction[3]; /* of the aim; forward before the first valid sample */
     bool frozen, ended;
@@ -47,7 +47,7 @@ void dmn_gaze_advance(struct dmn_gaze *gaze, uint64_t now_ns);
 /* The aim for the painter's next batch. Its sequence and time are those of the newest sample that it answers.
  * It becomes stale when the gaze leaves it. Valid as long as the gaze. */
 void dmn_gaze_aim(struct dmn_gaze *gaze, struct rnd_aim *out_aim);
-void dmn_gaze_state(struct dmn_gaze *gaze, struct dmn_gaze_state *out_state);
+void dmn_gaze_status(struct dmn_gaze *gaze, struct dmn_gaze_status *out_status);
 
 /* Take the oldest kept sample after number *cursor (numbers count from 1), and move the cursor to it. Cursor
  * 0 starts with the newest. False if there is none. */

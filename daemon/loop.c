@@ -65,10 +65,10 @@ static void ask_to_write(struct dmn_loop *loop)
 static void update(struct dmn_loop *loop, bool whole)
 {
     uint64_t began_ns = processor_ns();
-    struct dmn_gaze_state gaze;
+    struct dmn_gaze_status gaze;
 
     loop->updated_ns = dmn_now_ns();
-    dmn_gaze_state(loop->options.handles->gaze, &gaze);
+    dmn_gaze_status(loop->options.handles->gaze, &gaze);
     dmn_picture_update(loop->options.picture, gaze.direction, whole);
     loop->update_cost_ns = processor_ns() - began_ns;
 }

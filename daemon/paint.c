@@ -76,10 +76,10 @@ static void note_lately(struct dmn_painter *painter, const struct rnd_batch *bat
 
 static bool gaze_ended(struct dmn_painter *painter)
 {
-    struct dmn_gaze_state state;
+    struct dmn_gaze_status gaze;
 
-    dmn_gaze_state(painter->options.gaze, &state);
-    return state.ended;
+    dmn_gaze_status(painter->options.gaze, &gaze);
+    return gaze.ended;
 }
 
 static void judge(struct dmn_painter *painter)

@@ -97,7 +97,7 @@ void dmn_report_progress_end(struct dmn_bar *bar)
 }
 
 static void print_table(const struct dmn_options *options, const struct dmn_picture *picture,
-                        const struct dmn_work *work, const struct dmn_gaze_state *gaze, bool saved)
+                        const struct dmn_work *work, const struct dmn_gaze_status *gaze, bool saved)
 {
     double pixels = (double)options->render.width * options->render.height;
 
@@ -116,7 +116,7 @@ static void print_table(const struct dmn_options *options, const struct dmn_pict
 }
 
 static void print_json(const struct dmn_options *options, const struct dmn_picture *picture,
-                       const struct dmn_work *work, const struct dmn_gaze_state *gaze, bool saved)
+                       const struct dmn_work *work, const struct dmn_gaze_status *gaze, bool saved)
 {
     json_t *object = json_pack(
         "{s:s, s:s, s:s, s:[i,i], s:I, s:I, s:I, s:f, s:f, s:I, s:i, s:i, s:i, s:i, s:I, s:I, s:s?}", "scene",
@@ -135,13 +135,13 @@ static void print_json(const struct dmn_options *options, const struct dmn_pictu
 }
 
 void dmn_report_summary(const struct dmn_options *options, const struct dmn_picture *picture,
-                        const struct dmn_work *work, const struct dmn_gaze_state *gaze, bool saved)
+                        const struct dmn_work *work, const struct dmn_gaze_status *gaze, bool saved)
 {
     (options->json ? print_json : print_table)(options, picture, work, gaze, saved);
     fflush(stdout);
 }
 
-void dmn_report_recording(struct dmn_told *told, const struct dmn_gaze_state *gaze)
+void dmn_report_recording(struct dmn_told *told, const struct dmn_gaze_status *gaze)
 {
     struct dmn_told now = {gaze->recording_fails, gaze->lost > 0};
 

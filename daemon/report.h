@@ -23,7 +23,7 @@ struct dmn_told {
     bool fails, lost;
 };
 /* Say on stderr when a recording begins to fail, first loses samples, or goes on. */
-void dmn_report_recording(struct dmn_told *told, const struct dmn_gaze_state *gaze);
+void dmn_report_recording(struct dmn_told *told, const struct dmn_gaze_status *gaze);
 
 /* Progress towards --until on stderr: on a terminal a bar, redrawn in place; else a line every few seconds.
  * All zero: nothing was printed. */
@@ -37,6 +37,6 @@ void dmn_report_progress_end(struct dmn_bar *bar);
 
 /* The summary: a table, or with options->json one object; saved says whether options->save was written. */
 void dmn_report_summary(const struct dmn_options *options, const struct dmn_picture *picture,
-                        const struct dmn_work *work, const struct dmn_gaze_state *gaze, bool saved);
+                        const struct dmn_work *work, const struct dmn_gaze_status *gaze, bool saved);
 
 #endif

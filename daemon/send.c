@@ -14,11 +14,11 @@ static uint8_t *welcome(struct dmn_client *client, size_t *out_count)
 {
     const struct dmn_handles *handles = client->handles;
     Fovea__Welcome welcome = FOVEA__WELCOME__INIT;
-    struct dmn_gaze_state gaze;
+    struct dmn_gaze_status gaze;
     struct dmn_work work;
 
     client->welcome_due = false;
-    dmn_gaze_state(handles->gaze, &gaze);
+    dmn_gaze_status(handles->gaze, &gaze);
     dmn_painter_work(handles->painter, &work);
     welcome.version = PRO_VERSION;
     welcome.server = "fovead " FOVEAD_VERSION;
@@ -116,13 +116,13 @@ static uint8_t *stats(struct dmn_client *client, size_t *out_count)
     const struct dmn_picture *picture = client->picture;
     Fovea__Stats stats = FOVEA__STATS__INIT;
     Fovea__Tracker tracker;
-    struct dmn_gaze_state gaze;
+    struct dmn_gaze_status gaze;
     struct dmn_work work;
     float camera[3];
 
     client->stats_due = false;
     dmn_painter_work(handles->painter, &work);
-    dmn_gaze_state(handles->gaze, &gaze);
+    dmn_gaze_status(handles->gaze, &gaze);
     tracker = tracker_of(&gaze.source);
     stats.time_ns = work.now_ns;
     stats.samples = work.paths;

@@ -2,7 +2,7 @@
 #include "import/environment.h"
 #include "import/read_scene.h"
 #include "import/reader.h"
-#include "import/records.h"
+#include "import/corners.h"
 #include "import/image_program.h"
 #include "import/textures.h"
 #include "import/tree.h"
@@ -39,7 +39,7 @@ static bool build_geometry(struct building *b)
 {
     if (rnd_materials_build(b->scene)) {
         if (!rnd_accel_build(b->scene, b->error)) return false;
-        if (rnd_records_build(b->scene)) return true;
+        if (rnd_corners_build(b->scene)) return true;
     }
     snprintf(b->error, sizeof b->error, "not enough memory for %llu triangles",
              (unsigned long long)b->scene->info.triangles);
@@ -282,7 +282,7 @@ void rnd_scene_destroy(struct rnd_scene *scene)
         rnd_texture_finish(&scene->texture[i]);
     }
     free(scene->texture);
-    free(scene->record);
+    free(scene->corners);
     rnd_files_finish(&scene->files);
     free(scene->warnings.text);
     free(scene->late_warnings.text);

@@ -10,23 +10,23 @@ struct place {
     const struct rnd_scene *scene;
     const struct rnd_mesh *mesh;
     const struct rnd_material *material;
-    const struct rnd_record *record;
+    const struct rnd_corners *corners;
     const struct rnd_point *point;
     const struct rnd_facing *facing;
     const struct rnd_filter *filter;
 };
 
-static const struct rnd_record *record_of(const struct rnd_scene *scene, const struct rnd_point *point)
+static const struct rnd_corners *corners_of(const struct rnd_scene *scene, const struct rnd_point *point)
 {
-    return &scene->record[scene->mesh[point->mesh].first_record + point->triangle];
+    return &scene->corners[scene->mesh[point->mesh].first_corners + point->triangle];
 }
 
-/* --- what records do not hold: the second set of texture coordinates, tangents of a turned map --- */
+/* --- what the packed corners do not hold: the second set of texture coordinates, tangents of a turned map --- */
 
-/* Of the triangle's corners. */
-struct corners {
+/* Texture coordinates of the triangle's corners. */
+struct uvs {
     float uv[3][2];
-    float lod; /* as a record has it */
+    float lod; /* as in rnd_corners */
 };
 
 /* How texture coordinates run over the triangle, in the mesh's coordinates. */
@@ -39,14 +39,14 @@ static struct rnd_uv_frame uv_frame(const struct place *at, const float uv[3][2]
 }
 
 /* In the set of texture coordinates that a map has; a mesh without that set has (0, 0) everywhere. */
-static struct corners corners_of(const struct place *at, const struct rnd_map *map)
+static struct uvs uvs_of(const struct place *at, const struct rnd_map *map)
 {
     const uint32_t *index = at->mesh->index[at->point->triangle];
     const float *uv = at->mesh->uv[1];
-    struct corners out = {.lod = RND_NO_EXTENT};
+    struct uvs out = {.lod = RND_NO_EXTENT};
     if (map->uv_set == 0) {
-        memcpy(out.uv, at->record->uv, sizeof out.uv);
-        out.lod = at->record->lod;
+        memcpy(out.uv, at->corners->uv, sizeof out.uv);
+        out.lod = at->corners->lod;
         return out;
     }
     if (!uv) return out;
@@ -58,10 +58,10 @@ static struct corners corners_of(const struct place *at, const struct rnd_map *m
 static struct rnd_tangent tangent_of(const struct place *at, const struct rnd_map *map)
 {
     static const float corner[3][2] = {{0, 0}, {1, 0}, {0, 1}};
-    const bool by_record = at->mesh->tangent || (map->uv_set == 0 && !map->has_transform);
-    if (by_record && rnd_has_tangents(at->mesh, at->record))
-        return rnd_tangent_at(at->record->tangent, at->point->u, at->point->v);
-    const struct corners own = corners_of(at, map);
+    const bool by_corners = at->mesh->tangent || (map->uv_set == 0 && !map->has_transform);
+    if (by_corners && rnd_has_tangents(at->mesh, at->corners))
+        return rnd_tangent_at(at->corners->tangent, at->point->u, at->point->v);
+    const struct uvs own = uvs_of(at, map);
     float uv[3][2];
     for (int k = 0; k < 3; k++) rnd_map_place(map, own.uv, corner[k][0], corner[k][1], &uv[k][0], &uv[k][1]);
     const struct rnd_uv_frame frame = uv_frame(at, (const float(*)[2])uv);
@@ -76,12 +76,12 @@ static struct rnd_texel look(const struct place *at, enum rnd_map_use use)
     const struct rnd_map *map = &at->material->map[use];
     if (map->texture < 0) return (struct rnd_texel){1.0f, 1.0f, 1.0f, 1.0f};
     const struct rnd_texture *texture = &at->scene->texture[map->texture];
-    const struct corners corners = corners_of(at, map);
+    const struct uvs uvs = uvs_of(at, map);
     const float cosine = fabsf(rnd_v3_dot(at->facing->direction, at->facing->shading)),
-                level = rnd_level_at(rnd_map_lod(map, corners.lod) + texture->log2_size,
-                                     at->filter->footprint, cosine, at->filter->finer);
+                level = rnd_level_at(rnd_map_lod(map, uvs.lod) + texture->log2_size, at->filter->footprint,
+                                     cosine, at->filter->finer);
     float x, y;
-    rnd_map_place(map, corners.uv, at->point->u, at->point->v, &x, &y);
+    rnd_map_place(map, uvs.uv, at->point->u, at->point->v, &x, &y);
     return rnd_texture_texel(texture, rnd_map_texel(map, texture, x, y, level, at->filter->pick));
 }
 
@@ -123,7 +123,7 @@ void rnd_surface_at(const struct rnd_scene *scene, const struct rnd_point *point
 {
     const struct rnd_mesh *mesh = &scene->mesh[point->mesh];
     const struct rnd_material *material = &scene->material[mesh->material];
-    const struct place at = {scene, mesh, material, record_of(scene, point), point, facing, filter};
+    const struct place at = {scene, mesh, material, corners_of(scene, point), point, facing, filter};
     out->material = material;
     out->position = rnd_from_v3(point->position);
     out->front = facing->side > 0.0f;
@@ -131,7 +131,7 @@ void rnd_surface_at(const struct rnd_scene *scene, const struct rnd_point *point
     out->shading = map_normal(&at, RND_MAP_NORMAL, material->normal_scale);
     out->base = glms_vec3_mul(material->base, map_rgb(&at, RND_MAP_BASE));
     if (mesh->colour)
-        out->base = glms_vec3_mul(out->base, rnd_from_v3(rnd_vertex_colour(at.record, point->u, point->v)));
+        out->base = glms_vec3_mul(out->base, rnd_from_v3(rnd_vertex_colour(at.corners, point->u, point->v)));
     const struct rnd_texel mr = look(&at, RND_MAP_METAL_ROUGH);
     out->metallic = material->metallic * mr.b;
     out->alpha = rnd_alpha(material->roughness * mr.g);
@@ -143,7 +143,7 @@ void rnd_surface_at(const struct rnd_scene *scene, const struct rnd_point *point
 struct rnd_facing rnd_facing_at(const struct rnd_scene *scene, const struct rnd_point *point,
                                 struct rnd_v3 normal, struct rnd_v3 direction)
 {
-    const uint32_t *code = record_of(scene, point)->normal;
+    const uint32_t *code = corners_of(scene, point)->normal;
     struct rnd_v3 smooth = rnd_smooth_normal(code[0], code[1], code[2], point->u, point->v);
     if (point->instance) {
         normal = rnd_normal_to_world(point->instance, normal);

@@ -1,4 +1,4 @@
-/* What a triangle's record, its maps and its instance make of one point: normals, texels, colours, and where
+/* What a triangle's corners, its maps and its instance make of one point: normals, texels, colours, and where
  * rays begin. The wave calls these functions in loops over many points (path/surface.c), and material/point.c
  * for a single one, so that both see the same surface. */
 #ifndef FOVEAD_RENDERER_SHADING_H
@@ -31,7 +31,7 @@ RND_INLINE struct rnd_facing rnd_face(struct rnd_v3 normal, struct rnd_v3 smooth
     return (struct rnd_facing){direction, geometric, rnd_v3_select(good, shading, geometric), side};
 }
 
-/* Between the normals of a triangle's corners, as records have them; of any length. */
+/* Between the normals of a triangle's corners, as rnd_corners has them; of any length. */
 RND_INLINE struct rnd_v3 rnd_smooth_normal(uint32_t code_a, uint32_t code_b, uint32_t code_c, float u,
                                            float v)
 {
@@ -58,13 +58,13 @@ struct rnd_tangent {
     float turn;
 };
 
-/* Does the record of a triangle have tangents? */
-RND_INLINE bool rnd_has_tangents(const struct rnd_mesh *mesh, const struct rnd_record *record)
+/* Do the corners of a triangle have tangents? */
+RND_INLINE bool rnd_has_tangents(const struct rnd_mesh *mesh, const struct rnd_corners *corners)
 {
-    return mesh->tangent || record->lod > RND_NO_EXTENT;
+    return mesh->tangent || corners->lod > RND_NO_EXTENT;
 }
 
-/* Between the tangents of a triangle's corners, as records have them. */
+/* Between the tangents of a triangle's corners, as rnd_corners has them. */
 RND_INLINE struct rnd_tangent rnd_tangent_at(const uint32_t code[3], float u, float v)
 {
     struct rnd_tangent out = {rnd_octahedral_decode(code[0]), code[0] & 1u ? -1.0f : 1.0f};
@@ -164,11 +164,11 @@ RND_INLINE size_t rnd_map_texel(const struct rnd_map *map, const struct rnd_text
 
 /* --- colours --- */
 
-RND_INLINE struct rnd_v3 rnd_vertex_colour(const struct rnd_record *record, float u, float v)
+RND_INLINE struct rnd_v3 rnd_vertex_colour(const struct rnd_corners *corners, float u, float v)
 {
-    struct rnd_v3 c = rnd_v3_scale(rnd_record_colour(record->colour[0]), 1.0f - u - v);
-    c = rnd_v3_muladd(rnd_record_colour(record->colour[1]), u, c);
-    return rnd_v3_muladd(rnd_record_colour(record->colour[2]), v, c);
+    struct rnd_v3 c = rnd_v3_scale(rnd_corner_colour(corners->colour[0]), 1.0f - u - v);
+    c = rnd_v3_muladd(rnd_corner_colour(corners->colour[1]), u, c);
+    return rnd_v3_muladd(rnd_corner_colour(corners->colour[2]), v, c);
 }
 
 /* --- where rays begin --- */

@@ -66,15 +66,15 @@ static void gather(struct rnd_tracer *tracer, const uint32_t *order, uint32_t co
 /* Unit normals on the side that the ray came from. The shading normal is interpolated. */
 static void face(struct rnd_tracer *tracer, uint32_t count)
 {
-    const struct rnd_record *records = tracer->scene->record;
+    const struct rnd_corners *all = tracer->scene->corners;
     const struct rnd_paths *paths = &tracer->paths[1];
     struct rnd_surfaces *s = &tracer->surfaces;
     uint32_t(*corner)[RND_WAVE] = tracer->scratch.surface.corner;
     for (uint32_t j = 0; j < count; j++) {
-        const struct rnd_record *record = &records[s->record[j]];
-        corner[0][j] = record->normal[0];
-        corner[1][j] = record->normal[1];
-        corner[2][j] = record->normal[2];
+        const struct rnd_corners *corners = &all[s->corners[j]];
+        corner[0][j] = corners->normal[0];
+        corner[1][j] = corners->normal[1];
+        corner[2][j] = corners->normal[2];
     }
 #pragma GCC ivdep
     for (size_t j = 0; j < count; j++) {
@@ -97,7 +97,7 @@ static void face_instances(struct rnd_tracer *tracer, uint32_t count)
     for (uint32_t j = 0; j < count; j++) {
         if (s->instance[j] == RTC_INVALID_GEOMETRY_ID) continue;
         const struct rnd_instance *instance = &scene->instance[s->instance[j] - scene->mesh_count];
-        const uint32_t *code = scene->record[s->record[j]].normal;
+        const uint32_t *code = scene->corners[s->corners[j]].normal;
         const struct rnd_v3 smooth = rnd_smooth_normal(code[0], code[1], code[2], s->u[j], s->v[j]),
                             own = rnd_v3_scale(rnd_get(&s->geometric, j), s->front[j] ? 1.0f : -1.0f),
                             outside = rnd_normal_to_world(instance, own),
@@ -127,40 +127,40 @@ static float finer(const struct rnd_tracer *tracer)
 }
 
 /* Note that a map is to be looked up for a point. */
-static void note(struct rnd_tracer *tracer, const struct rnd_map *map, uint32_t j, uint32_t *looks)
+static void note(struct rnd_tracer *tracer, const struct rnd_map *map, uint32_t j, uint32_t *lookups)
 {
     const struct rnd_surfaces *s = &tracer->surfaces;
     const struct rnd_texture *texture = &tracer->scene->texture[map->texture];
-    const struct rnd_record *record = &tracer->scene->record[s->record[j]];
-    const uint32_t k = (*looks)++;
-    tracer->look[k] = (struct rnd_look){.texture = texture, .map = map, .point = j};
-    rnd_map_place(map, record->uv, s->u[j], s->v[j], &tracer->look_x[k], &tracer->look_y[k]);
-    tracer->look_level[k] = rnd_map_lod(map, record->lod) + texture->log2_size;
+    const struct rnd_corners *corners = &tracer->scene->corners[s->corners[j]];
+    const uint32_t k = (*lookups)++;
+    tracer->lookup[k] = (struct rnd_lookup){.texture = texture, .map = map, .point = j};
+    rnd_map_place(map, corners->uv, s->u[j], s->v[j], &tracer->lookup_x[k], &tracer->lookup_y[k]);
+    tracer->lookup_level[k] = rnd_map_lod(map, corners->lod) + texture->log2_size;
 }
 
-/* Choose the texels of all lookups by the paths' cones, each with its own random neighbour of four. Texels
+/* Choose the texels of all look-ups by the paths' cones, each with its own random neighbour of four. Texels
  * are prefetched here, and read later. */
-static void ask(struct rnd_tracer *tracer, uint32_t looks)
+static void ask(struct rnd_tracer *tracer, uint32_t lookups)
 {
     const struct rnd_paths *paths = &tracer->paths[1];
     const struct rnd_surfaces *s = &tracer->surfaces;
-    struct rnd_look *look = tracer->look;
-    float *level = tracer->look_level, *r = tracer->number[0], *t = tracer->number[1];
+    struct rnd_lookup *lookup = tracer->lookup;
+    float *level = tracer->lookup_level, *r = tracer->number[0], *t = tracer->number[1];
     const float by = finer(tracer);
     const uint32_t which = (uint32_t)tracer->depth;
 #pragma GCC ivdep
-    for (size_t k = 0; k < looks; k++) {
-        const uint32_t j = look[k].point;
+    for (size_t k = 0; k < lookups; k++) {
+        const uint32_t j = lookup[k].point;
         const float cosine = fabsf(rnd_v3_dot(rnd_get(&paths->direction, j), rnd_get(&s->normal, j)));
         level[k] = rnd_level_at(level[k], s->footprint[j], cosine, by);
         rnd_dither(paths->seed[j], paths->index[j], which, &r[k], &t[k]);
     }
-    for (uint32_t k = 0; k < looks; k++) {
-        const struct rnd_texture *texture = look[k].texture;
+    for (uint32_t k = 0; k < lookups; k++) {
+        const struct rnd_texture *texture = lookup[k].texture;
         const float pick[2] = {r[k], t[k]};
         const size_t texel =
-            rnd_map_texel(look[k].map, texture, tracer->look_x[k], tracer->look_y[k], level[k], pick);
-        look[k].texel = texel;
+            rnd_map_texel(lookup[k].map, texture, tracer->lookup_x[k], tracer->lookup_y[k], level[k], pick);
+        lookup[k].texel = texel;
         __builtin_prefetch(texture->bytes ? (const void *)(texture->bytes + 4 * texel)
                                           : (const void *)(texture->floats + 4 * texel));
     }
@@ -171,20 +171,20 @@ static void base_colours(struct rnd_tracer *tracer, uint32_t begin, uint32_t end
 {
     const struct rnd_scene *scene = tracer->scene;
     struct rnd_surfaces *s = &tracer->surfaces;
-    const struct rnd_look *look = tracer->look;
-    uint32_t looks = 0;
+    const struct rnd_lookup *lookup = tracer->lookup;
+    uint32_t lookups = 0;
     for (uint32_t j = begin; j < end; j++) {
         const struct rnd_material *material = &scene->material[s->material[j]];
         struct rnd_v3 base = {material->base.x, material->base.y, material->base.z};
         if (scene->mesh[s->mesh[j]].colour)
-            base = rnd_v3_mul(base, rnd_vertex_colour(&scene->record[s->record[j]], s->u[j], s->v[j]));
+            base = rnd_v3_mul(base, rnd_vertex_colour(&scene->corners[s->corners[j]], s->u[j], s->v[j]));
         rnd_put(&s->base, j, base);
-        if (material->map[RND_MAP_BASE].texture >= 0) note(tracer, &material->map[RND_MAP_BASE], j, &looks);
+        if (material->map[RND_MAP_BASE].texture >= 0) note(tracer, &material->map[RND_MAP_BASE], j, &lookups);
     }
-    ask(tracer, looks);
-    for (uint32_t k = 0; k < looks; k++) {
-        const struct rnd_texel t = rnd_texture_texel(look[k].texture, look[k].texel);
-        const uint32_t j = look[k].point;
+    ask(tracer, lookups);
+    for (uint32_t k = 0; k < lookups; k++) {
+        const struct rnd_texel t = rnd_texture_texel(lookup[k].texture, lookup[k].texel);
+        const uint32_t j = lookup[k].point;
         s->base.x[j] *= t.r;
         s->base.y[j] *= t.g;
         s->base.z[j] *= t.b;
@@ -196,8 +196,8 @@ static void reflectances(struct rnd_tracer *tracer, uint32_t begin, uint32_t end
 {
     const struct rnd_scene *scene = tracer->scene;
     struct rnd_surfaces *s = &tracer->surfaces;
-    const struct rnd_look *look = tracer->look;
-    uint32_t looks = 0;
+    const struct rnd_lookup *lookup = tracer->lookup;
+    uint32_t lookups = 0;
     for (uint32_t j = begin; j < end; j++) {
         const struct rnd_material *material = &scene->material[s->material[j]];
         s->metallic[j] = material->metallic;
@@ -205,13 +205,13 @@ static void reflectances(struct rnd_tracer *tracer, uint32_t begin, uint32_t end
         s->f0[j] = material->f0;
         s->f90[j] = material->specular;
         const struct rnd_map *map = &material->map[RND_MAP_METAL_ROUGH];
-        if (map->texture >= 0) note(tracer, map, j, &looks);
+        if (map->texture >= 0) note(tracer, map, j, &lookups);
     }
-    ask(tracer, looks);
-    for (uint32_t k = 0; k < looks; k++) {
-        const struct rnd_texel t = rnd_texture_texel(look[k].texture, look[k].texel);
-        s->alpha[look[k].point] *= t.g;
-        s->metallic[look[k].point] *= t.b;
+    ask(tracer, lookups);
+    for (uint32_t k = 0; k < lookups; k++) {
+        const struct rnd_texel t = rnd_texture_texel(lookup[k].texture, lookup[k].texel);
+        s->alpha[lookup[k].point] *= t.g;
+        s->metallic[lookup[k].point] *= t.b;
     }
     for (uint32_t j = begin; j < end; j++) s->alpha[j] = rnd_alpha(s->alpha[j]);
 }
@@ -221,18 +221,18 @@ static void bend_normals(struct rnd_tracer *tracer, uint32_t begin, uint32_t end
 {
     const struct rnd_scene *scene = tracer->scene;
     struct rnd_surfaces *s = &tracer->surfaces;
-    const struct rnd_look *look = tracer->look;
-    uint32_t looks = 0;
+    const struct rnd_lookup *lookup = tracer->lookup;
+    uint32_t lookups = 0;
     for (uint32_t j = begin; j < end; j++) {
         const struct rnd_map *map = &scene->material[s->material[j]].map[RND_MAP_NORMAL];
-        if (map->texture >= 0 && rnd_has_tangents(&scene->mesh[s->mesh[j]], &scene->record[s->record[j]]))
-            note(tracer, map, j, &looks);
+        if (map->texture >= 0 && rnd_has_tangents(&scene->mesh[s->mesh[j]], &scene->corners[s->corners[j]]))
+            note(tracer, map, j, &lookups);
     }
-    ask(tracer, looks);
-    for (uint32_t k = 0; k < looks; k++) {
-        const uint32_t j = look[k].point;
-        const struct rnd_texel t = rnd_texture_texel(look[k].texture, look[k].texel);
-        struct rnd_tangent tangent = rnd_tangent_at(scene->record[s->record[j]].tangent, s->u[j], s->v[j]);
+    ask(tracer, lookups);
+    for (uint32_t k = 0; k < lookups; k++) {
+        const uint32_t j = lookup[k].point;
+        const struct rnd_texel t = rnd_texture_texel(lookup[k].texture, lookup[k].texel);
+        struct rnd_tangent tangent = rnd_tangent_at(scene->corners[s->corners[j]].tangent, s->u[j], s->v[j]);
         if (s->instance[j] != RTC_INVALID_GEOMETRY_ID)
             tangent = rnd_tangent_to_world(&scene->instance[s->instance[j] - scene->mesh_count], tangent);
         const struct rnd_facing facing = facing_at(tracer, j);
@@ -304,7 +304,7 @@ uint32_t ISA(rnd_surface)(struct rnd_tracer *tracer, uint32_t count)
         rnd_resolve_hit(scene, hits->geometry[i], hits->instance[i], &m);
         const struct rnd_mesh *mesh = &scene->mesh[m];
         const enum rnd_material_kind kind = scene->material[mesh->material].kind;
-        __builtin_prefetch(&scene->record[mesh->first_record + hits->primitive[i]]);
+        __builtin_prefetch(&scene->corners[mesh->first_corners + hits->primitive[i]]);
         list[kind][number[kind]++] = i;
     }
     uint32_t *order = tracer->scratch.surface.order, hit = 0;
@@ -315,7 +315,7 @@ uint32_t ISA(rnd_surface)(struct rnd_tracer *tracer, uint32_t count)
             const struct rnd_mesh *mesh = &scene->mesh[s->mesh[hit]];
             s->instance[hit] = hits->instance[i];
             s->material[hit] = mesh->material;
-            s->record[hit] = (uint32_t)mesh->first_record + hits->primitive[i];
+            s->corners[hit] = (uint32_t)mesh->first_corners + hits->primitive[i];
             order[hit++] = i;
         }
         s->end[kind] = hit;

@@ -64,7 +64,7 @@ struct rnd_hits {
 /* Points on surfaces, in the order of the paths; sorted by kind of material. */
 struct rnd_surfaces {
     uint32_t end[RND_RICH + 1]; /* where each kind's points end; it begins where the one before ended */
-    rnd_words mesh, instance, record, material, triangle;
+    rnd_words mesh, instance, corners, material, triangle;
     rnd_floats distance, u, v;
     rnd_floats footprint;                 /* width of the path's cone here, in the mesh's own metres */
     struct rnd_vectors normal, geometric; /* unit; both face where the ray came from */
@@ -97,8 +97,8 @@ struct rnd_scatters {
     rnd_floats pdf; /* of the direction; 0: a single direction; negative: the path ends */
 };
 
-/* A texel on its way from memory. */
-struct rnd_look {
+/* The look-up of a texture, whose texel is on its way from memory. */
+struct rnd_lookup {
     const struct rnd_texture *texture;
     const struct rnd_map *map;
     size_t texel;
@@ -125,7 +125,7 @@ struct rnd_shadows {
 union rnd_scratch {
     struct {
         rnd_words order;     /* of each point, its path among paths 0 */
-        rnd_words corner[3]; /* normals at the triangle's corners, as records have them */
+        rnd_words corner[3]; /* normals at the triangle's corners, as rnd_corners has them */
     } surface;
     struct {
         rnd_words surface;          /* room of surface.order, which is still in use */
@@ -177,9 +177,9 @@ struct rnd_tracer {
     struct rnd_shadows shadows;
     rnd_words list[RND_LISTS]; /* of misses, kinds of material, groups of lights */
     union rnd_scratch scratch;
-    struct rnd_look look[RND_WAVE];
-    rnd_floats look_x, look_y; /* texture coordinates */
-    rnd_floats look_level;     /* of mipmaps */
+    struct rnd_lookup lookup[RND_WAVE];
+    rnd_floats lookup_x, lookup_y; /* texture coordinates */
+    rnd_floats lookup_level;       /* of mipmaps */
 };
 
 RND_INLINE struct rnd_v3 rnd_get(const struct rnd_vectors *from, size_t i)

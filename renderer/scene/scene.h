@@ -7,7 +7,7 @@
 #include "scene/embree.h"
 #include "scene/files.h"
 #include "scene/lights.h"
-#include "scene/record.h"
+#include "scene/corners.h"
 #include "scene/texture.h"
 #include "math/sphere.h"
 
@@ -113,7 +113,7 @@ struct rnd_mesh {
     float *tangent;  /* 4 per vertex: unit vector along u, and on which side of it v is (glTF 2.0
                         section 3.7.2.1), or NULL: they follow from texture coordinates */
     uint32_t (*index)[3];
-    uint64_t first_record; /* of its triangles among the scene's records */
+    uint64_t first_corners; /* of its first triangle, in the scene's array */
     uint32_t material;
     uint32_t first_light; /* of its triangles among the scene's area lights, or UINT32_MAX */
     bool instanced;       /* in coordinates of its own, seen through instances alone; never a light */
@@ -162,10 +162,10 @@ struct rnd_scene {
     struct rnd_material *material;
     struct rnd_texture *texture;
     uint32_t glass_count;
-    struct rnd_glass **glass;  /* of materials, each once */
-    uint32_t medium_count;     /* without air */
-    struct rnd_medium *medium; /* of materials, each once, from 1; 0 is air */
-    struct rnd_record *record; /* of all triangles, mesh by mesh */
+    struct rnd_glass **glass;    /* of materials, each once */
+    uint32_t medium_count;       /* without air */
+    struct rnd_medium *medium;   /* of materials, each once, from 1; 0 is air */
+    struct rnd_corners *corners; /* of all triangles, mesh by mesh */
     uint32_t instance_count;
     struct rnd_instance *instance;
     struct rnd_lights lights;

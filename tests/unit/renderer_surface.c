@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-#include "import/records.h"
+#include "import/corners.h"
 #include "material/point.h"
 
 #include <stdlib.h>
@@ -63,11 +63,11 @@ static struct rnd_surface look_by(bool front, const struct rnd_filter *filter)
 {
     const struct rnd_point point = {.u = 1 / 3.0f, .v = 1 / 3.0f};
     struct rnd_surface s;
-    assert_true(rnd_records_build(&scene));
+    assert_true(rnd_corners_build(&scene));
     const struct rnd_facing facing =
         rnd_facing_at(&scene, &point, rnd_v3(0, 0, 2), rnd_v3(0, 0, front ? -1.0f : 1.0f));
     rnd_surface_at(&scene, &point, &facing, filter, &s);
-    free(scene.record);
+    free(scene.corners);
     return s;
 }
 

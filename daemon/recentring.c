@@ -1,5 +1,4 @@
-/* What fovead remembers from one start to the next, by the XDG Base Directory Specification: the rotation of
- * recentring. */
+/* The file that keeps the rotation of recentring, by the XDG Base Directory Specification. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -7,27 +6,28 @@
 #include <sys/stat.h>
 
 #include "file.h"
-#include "state.h"
+#include "recentring.h"
 
-bool dmn_state_path(char *out_path, size_t size)
+bool dmn_recentring_path(char *out_path, size_t size)
 {
-    const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
+    const char *folder = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
     int length = -1;
 
     /* A relative path in the environment counts as none. */
-    if (state && *state == '/')
-        length = snprintf(out_path, size, "%s/fovead/recentre", state);
+    if (folder && *folder == '/')
+        length = snprintf(out_path, size, "%s/fovead/recentre", folder);
     else if (home && *home == '/')
         length = snprintf(out_path, size, "%s/.local/state/fovead/recentre", home);
     return length > 0 && (size_t)length < size;
 }
 
-bool dmn_state_load(float out_rotation[4])
+bool dmn_recentring_load(float out_rotation[4])
 {
     char path[4096], error[TRK_ERROR_SIZE];
     struct stat file;
 
-    if (!dmn_state_path(path, sizeof(path)) || (stat(path, &file) && (errno == ENOENT || errno == ENOTDIR)))
+    if (!dmn_recentring_path(path, sizeof(path)) ||
+        (stat(path, &file) && (errno == ENOENT || errno == ENOTDIR)))
         return false;
     if (trk_recentre_load(path, out_rotation, error)) return true;
     dmn_print(stderr, "fovead: %s; gaze is not recentred\n", error);
@@ -44,12 +44,12 @@ static void make_folders(char *path)
     }
 }
 
-bool dmn_state_save(const float rotation[4], char out_error[TRK_ERROR_SIZE])
+bool dmn_recentring_save(const float rotation[4], char out_error[TRK_ERROR_SIZE])
 {
     char path[4096];
     struct dmn_file file;
 
-    if (!dmn_state_path(path, sizeof(path))) {
+    if (!dmn_recentring_path(path, sizeof(path))) {
         snprintf(out_error, TRK_ERROR_SIZE, "neither XDG_STATE_HOME nor HOME names a folder");
         return false;
     }

@@ -1,7 +1,7 @@
-/* What shading needs of a triangle, in one line of the cache: a hit reads this and none of the mesh's own
- * arrays. */
-#ifndef FOVEAD_RENDERER_RECORD_H
-#define FOVEAD_RENDERER_RECORD_H
+/* The corners of a triangle, packed: all that shading needs of it, in one line of the cache. A hit reads this
+ * and none of the mesh's own arrays. */
+#ifndef FOVEAD_RENDERER_CORNERS_H
+#define FOVEAD_RENDERER_CORNERS_H
 
 #include "math/v3.h"
 
@@ -11,7 +11,7 @@
 /* lod of a triangle without texture coordinates, or where they have no extent: the finest level is right. */
 #define RND_NO_EXTENT -64.0f
 
-struct rnd_record {
+struct rnd_corners {
     uint32_t normal[3]; /* of the corners, octahedral: 16 bits each of two coordinates */
     float uv[3][2];     /* of the corners, first set; 0 if the mesh has none */
     float lod; /* log2 of texture coordinates per metre; with a texture's size, of texels per metre */
@@ -23,7 +23,7 @@ struct rnd_record {
 /* How texture coordinates run over a triangle. */
 struct rnd_uv_frame {
     bool spans;          /* the coordinates have an extent */
-    float lod;           /* as in a record */
+    float lod;           /* as in rnd_corners */
     struct rnd_v3 along; /* where u grows, of any length; zero without an extent */
     bool mirrored;       /* v grows against cross(normal, along) */
 };
@@ -44,7 +44,7 @@ RND_INLINE struct rnd_uv_frame rnd_uv_frame(const float uv[3][2], struct rnd_v3 
                                  .mirrored = area < 0.0f};
 }
 
-_Static_assert(sizeof(struct rnd_record) == 64, "a record is a line of the cache");
+_Static_assert(sizeof(struct rnd_corners) == 64, "the corners of a triangle are one line of the cache");
 
 /* Octahedral encoding (Meyer et al. 2010): good to 5e-5 rad. */
 RND_INLINE uint32_t rnd_octahedral(struct rnd_v3 n)
@@ -69,7 +69,7 @@ RND_INLINE struct rnd_v3 rnd_octahedral_decode(uint32_t code)
     return rnd_v3(x + (x >= 0.0f ? -t : t), y + (y >= 0.0f ? -t : t), z);
 }
 
-RND_INLINE struct rnd_v3 rnd_record_colour(uint32_t code)
+RND_INLINE struct rnd_v3 rnd_corner_colour(uint32_t code)
 {
     const float r = (float)(code & 1023u) * (1.0f / 1023.0f),
                 g = (float)(code >> 10 & 1023u) * (1.0f / 1023.0f),
