@@ -111,6 +111,50 @@ static bool take_save(const struct dmn_option *option, const char *text, void *v
            dmn_take_text(option, text, values, out_error);
 }
 
+/* The plane of that name, length bytes of text; -1: there is none. */
+static int find_plane(const char *text, size_t length)
+{
+    const char *name, *summary;
+
+    for (int i = 0; (name = rnd_plane_at((size_t)i, &summary)); i++)
+        if (strlen(name) == length && !strncmp(name, text, length)) return i;
+    return -1;
+}
+
+static bool refuse_plane(const char *text, char *out_error)
+{
+    const char *name, *summary;
+
+    snprintf(out_error, DMN_OPTION_ERROR_SIZE, "there is no '%.*s', expected all or some of ",
+             (int)strcspn(text, ","), text);
+    for (size_t i = 0; (name = rnd_plane_at(i, &summary)); i++) {
+        const size_t length = strlen(out_error);
+
+        snprintf(out_error + length, DMN_OPTION_ERROR_SIZE - length, "%s%s", i ? "," : "", name);
+    }
+    return false;
+}
+
+static bool take_planes(const struct dmn_option *option, const char *text, void *values, char *out_error)
+{
+    uint32_t *planes = &((struct dmn_options *)values)->render.planes;
+    const bool all = !strcmp(text, "all");
+    const char *summary;
+    size_t length;
+
+    (void)option;
+    *planes = 0;
+    for (size_t i = 0; all && rnd_plane_at(i, &summary); i++) *planes |= 1u << i;
+    for (; !all; text += length + 1) {
+        const int plane = find_plane(text, length = strcspn(text, ","));
+
+        if (plane < 0) return refuse_plane(text, out_error);
+        *planes |= 1u << plane;
+        if (!text[length]) break;
+    }
+    return true;
+}
+
 static bool take_clock(const struct dmn_option *option, const char *text, void *values, char *out_error)
 {
     struct dmn_options *out = values;
@@ -334,11 +378,17 @@ static const struct dmn_option ROWS[] = {
      .wants = "a number with spp or s, converged, or end"},
     {.name = "save",
      .argument = "FILE.exr",
-     .help = "at the end write colour, sample counts and errors as channels, also when a signal ends fovead, "
-             "unless another signal comes a second or more after the first",
+     .help = "at the end write colour, sample counts, errors and --planes as channels, also when a signal "
+             "ends fovead, unless another signal comes a second or more after the first",
      .take = take_save,
      .target = offsetof(struct dmn_options, save),
      .wants = "a name that ends in .exr"},
+    {.name = "planes",
+     .argument = "NAMES",
+     .help = "keep what paths hit first, for the channels of every saved .exr; this takes memory. all, or "
+             "some of these with commas between them:",
+     .take = take_planes,
+     .value_at = rnd_plane_at},
     {.name = "json",
      .help = "print the summary as one JSON object on stdout, and everything else on stderr",
      INTO(json)},

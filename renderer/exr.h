@@ -4,8 +4,8 @@
 
 #include "import/image_io.h"
 
-/* How an EXR stores count values: as half floats, or as floats if one is beyond half's range, or if their
- * mean is so small that half's steps would show. */
-enum rnd_channel_type rnd_exr_type(const float *values, size_t count);
+/* How an EXR stores channels that lie side by side, stride values from pixel to pixel: as half floats, or as
+ * floats if a value is beyond half's range, or if their mean is so small that half's steps would show. */
+enum rnd_channel_type rnd_exr_type(const float *values, size_t pixels, size_t stride, size_t channels);
 
 #endif

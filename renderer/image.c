@@ -8,20 +8,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool read_pixels(const char *path, struct rnd_pixels *out_pixels, char out_error[RND_ERROR_SIZE])
+static bool read_pixels(const struct rnd_pixels_file *file, struct rnd_pixels *out_pixels,
+                        char out_error[RND_ERROR_SIZE])
 {
     char text[RND_ERROR_SIZE / 2];
-    const struct rnd_pixels_file file = {.path = path, .use = RND_PIXELS_COLOUR};
-    if (rnd_pixels_read(&file, out_pixels, text, sizeof text)) return true;
-    snprintf(out_error, RND_ERROR_SIZE, "%.200s: not a readable image: %s", path, text);
+    if (rnd_pixels_read(file, out_pixels, text, sizeof text)) return true;
+    snprintf(out_error, RND_ERROR_SIZE, "%.200s: %s: %s", file->path,
+             file->channel ? "cannot be read" : "not a readable image", text);
     return false;
 }
 
 float *rnd_image_read(const char *path, int *out_width, int *out_height, bool *out_display,
                       char out_error[RND_ERROR_SIZE])
 {
+    const struct rnd_pixels_file file = {.path = path, .use = RND_PIXELS_COLOUR};
     struct rnd_pixels pixels;
-    if (!read_pixels(path, &pixels, out_error)) return NULL;
+    if (!read_pixels(&file, &pixels, out_error)) return NULL;
     const size_t count = (size_t)pixels.width * pixels.height, n = pixels.channels;
     float *rgb = malloc(count * 3 * sizeof *rgb);
     if (!rgb) {
@@ -40,22 +42,12 @@ float *rnd_image_read(const char *path, int *out_width, int *out_height, bool *o
 float *rnd_image_read_channel(const char *path, const char *channel, int *out_width, int *out_height,
                               char out_error[RND_ERROR_SIZE])
 {
+    const struct rnd_pixels_file file = {.path = path, .use = RND_PIXELS_COLOUR, .channel = channel};
     struct rnd_pixels pixels;
-    if (!read_pixels(path, &pixels, out_error)) return NULL;
-    int found = -1;
-    for (int c = 0; c < pixels.channels; c++)
-        if (strcmp(pixels.channel_names[c], channel) == 0) found = c;
-    float *values = NULL;
-    const size_t count = (size_t)pixels.width * pixels.height;
-    if (found < 0)
-        snprintf(out_error, RND_ERROR_SIZE, "%.200s: has no channel \"%.60s\"", path, channel);
-    else if (!(values = malloc(count * sizeof *values)))
-        snprintf(out_error, RND_ERROR_SIZE, "%.200s: not enough memory", path);
-    for (size_t i = 0; values && i < count; i++) values[i] = pixels.floats[i * pixels.channels + found];
+    if (!read_pixels(&file, &pixels, out_error)) return NULL;
     *out_width = pixels.width;
     *out_height = pixels.height;
-    rnd_pixels_finish(&pixels);
-    return values;
+    return pixels.floats;
 }
 
 /* Pixels of a picture in memory. */
@@ -88,7 +80,7 @@ bool rnd_image_write(FILE *file, const char *name, int width, int height, const 
         return false;
     }
     const bool exr = strcasecmp(dot, ".exr") == 0, hdr = strcasecmp(dot, ".hdr") == 0;
-    const enum rnd_channel_type type = exr   ? rnd_exr_type(rgb, (size_t)width * height * 3)
+    const enum rnd_channel_type type = exr   ? rnd_exr_type(rgb, (size_t)width * (size_t)height, 3, 3)
                                        : hdr ? RND_FLOAT
                                              : RND_BYTE;
     struct picture picture = {{fill_rows}, rgb, (size_t)width * 3, !exr && !hdr};

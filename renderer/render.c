@@ -1,5 +1,6 @@
 /* A render: batches of paths go into a film, which is read, saved and begun anew. */
 #include "render.h"
+#include "film/channels.h"
 #include "film/converge.h"
 #include "film/film.h"
 #include "import/image_program.h"
@@ -35,9 +36,10 @@ struct rnd_render *rnd_render_create(const struct rnd_scene *scene, const struct
     render->material = scene->material;
     const struct rnd_camera camera = rnd_camera_at(scene->info.camera, scene->origin);
     const float error_bar = options->error_bar > 0.0f ? options->error_bar : 0.05f;
-    if (rnd_film_init(&render->film, width, height, error_bar, row->planes, &camera) &&
-        (!row->keeps_history ||
-         rnd_film_init(&render->history, width, height, error_bar, row->planes, &camera)) &&
+    uint32_t planes = row->planes | options->planes;
+    if (planes & RND_PLANE(POSITION)) planes |= RND_PLANE(COVERAGE); /* see film/channels.c */
+    if (rnd_film_init(&render->film, width, height, error_bar, planes, &camera) &&
+        (!row->keeps_history || rnd_film_init(&render->history, width, height, error_bar, planes, &camera)) &&
         rnd_reconstructor_init(&render->reconstructor, row, &render->film,
                                row->keeps_history ? &render->history : NULL) &&
         rnd_integrator_init(&render->integrator, scene, &camera, &render->film, &chosen))
@@ -155,4 +157,21 @@ void rnd_render_resolve(struct rnd_render *render, float *out_rgb, float *out_sa
     pthread_mutex_lock(&render->whole);
     rnd_film_resolve(&render->film, out_rgb, out_samples, out_error);
     pthread_mutex_unlock(&render->whole);
+}
+
+const char *rnd_render_channel(const struct rnd_render *render, int index)
+{
+    bool floats;
+    return index < rnd_film_channels(&render->film) ? rnd_film_channel(&render->film, index, &floats) : NULL;
+}
+
+bool rnd_render_read_channels(struct rnd_render *render, int x, int y, float *out_values,
+                              struct rnd_tile *out_state)
+{
+    struct rnd_film_tile *tile = &render->film.tile[y * render->film.across + x];
+    if (!rnd_film_lock_soon(tile)) return false;
+    rnd_film_read_channels(&render->film, tile, out_values);
+    if (out_state) *out_state = tile->state;
+    pthread_mutex_unlock(&tile->lock);
+    return true;
 }

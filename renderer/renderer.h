@@ -26,8 +26,9 @@
 
 enum {
     RND_ERROR_SIZE = 512,
-    RND_TILE = 64,         /* pixels a side of a tile, at every level */
-    RND_MAX_WIDTH = 32768, /* of a film; the height is half of it */
+    RND_TILE = 64,          /* pixels a side of a tile, at every level */
+    RND_MAX_WIDTH = 32768,  /* of a film; the height is half of it */
+    RND_MOST_CHANNELS = 20, /* of a film */
 };
 
 /* --- scene --- */
@@ -150,6 +151,10 @@ void rnd_direction(float azimuth, float elevation, float out_direction[3]);
 
 /* --- render --- */
 
+/* Planes: what a film can keep of the first surface that each path hits, as means over the paths of a pixel.
+ * The name of one and half a line on it, by index from 0; NULL if there is none. */
+const char *rnd_plane_at(size_t index, const char **out_summary);
+
 struct rnd_render;
 struct rnd_reconstruction; /* a way to show the samples so far: reconstruct/reconstruction.h */
 
@@ -163,6 +168,7 @@ struct rnd_render_options {
     float error_bar; /* relative standard error at which a tile is converged; 0: the default, 0.05 */
     const struct rnd_distribution *distribution;
     const struct rnd_reconstruction *reconstruction; /* what rnd_render_read() shows; NULL: the default */
+    uint32_t planes; /* that the film keeps: bit i for rnd_plane_at(i); 0: none, at no cost */
 };
 
 /* The camera is where rnd_scene_info() says. The scene must outlive the render, or be replaced by
@@ -252,10 +258,24 @@ bool rnd_render_read(struct rnd_render *render, int level, int x, int y, float *
  * All of it is of one generation: a restart waits until it is read. */
 void rnd_render_resolve(struct rnd_render *render, float *out_rgb, float *out_samples, float *out_error);
 
-/* Write the film as EXR: R, G, B, "samples", "error" (half floats where these hold the values), marked as an
- * equirectangular environment for 360 viewers. fovead-image writes it, which takes 20 bytes per pixel
- * here meanwhile. file is a regular file, open for writing and empty; errors call it name. False with a line
- * in out_error if not all of it is written. */
+/* Channels: what files and viewers are given of each pixel. The name of one of a render's, by index from 0:
+ * "R", "G", "B" (mean radiance), "samples" (number of paths), "error" (standard error of the luminance from
+ * the half-buffers), and those of its planes, as "albedo.R", at most RND_MOST_CHANNELS together. NULL after
+ * the last. They stay the same as long as the render is there. */
+const char *rnd_render_channel(const struct rnd_render *render, int index);
+
+/* All channels of the level-0 tile (x, y): RND_TILE x RND_TILE pixels, row by row, the channels of a pixel
+ * side by side. rnd_render_save() writes the same values. A path that hits nothing counts as 0 in a plane; a
+ * pixel without a path is 0 in all channels; instances are those of the newest path. False if a thread that
+ * the system has suspended holds the tile: then try again later. *out_state (may be NULL) is of the same
+ * moment. */
+bool rnd_render_read_channels(struct rnd_render *render, int x, int y, float *out_values,
+                              struct rnd_tile *out_state);
+
+/* Write the film as EXR with all channels, as half floats where these hold the values, marked as an
+ * equirectangular environment for 360 viewers. fovead-image writes it; meanwhile it takes 4 bytes here per
+ * channel and pixel. file is a regular file, open for writing and empty; errors call it name. False with a
+ * line in out_error if not all of it is written. */
 bool rnd_render_save(struct rnd_render *render, FILE *file, const char *name, char out_error[RND_ERROR_SIZE]);
 
 /* --- images --- */

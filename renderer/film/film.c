@@ -53,6 +53,16 @@ uint32_t rnd_film_published(const struct rnd_film *film, struct rnd_tile *tiles,
     return count;
 }
 
+bool rnd_film_lock_soon(struct rnd_film_tile *tile)
+{
+    enum { LOOKS = 1000 }; /* some tens of microseconds */
+    for (int i = 0; i < LOOKS; i++) {
+        if (pthread_mutex_trylock(&tile->lock) == 0) return true;
+        rnd_pause();
+    }
+    return false;
+}
+
 /* --- emptying a tile --- */
 
 /* Take all paths out of a tile whose lock is held, or which nobody knows yet. */
@@ -308,10 +318,8 @@ void rnd_film_add(const struct rnd_film *film, struct rnd_film_tile *tile, const
 
 /* --- the whole film --- */
 
-/* Standard error of a pixel's luminance from its halves; 0 if one is empty. */
-static float pixel_error(const struct rnd_film_tile *tile, int i)
+float rnd_film_error(const struct rnd_film_pixel *pixel)
 {
-    const struct rnd_film_pixel *pixel = &tile->pixels->pixel[i];
     if (pixel->count[0] == 0 || pixel->count[1] == 0) return 0.0f;
     return 0.5f * fabsf(rnd_luminance(pixel->half[0]) - rnd_luminance(pixel->half[1]));
 }
@@ -329,7 +337,7 @@ void rnd_film_resolve(const struct rnd_film *film, float *out_rgb, float *out_sa
             const uint32_t n = rnd_film_mean(&tile->pixels->pixel[i], mean);
             if (out_rgb) memcpy(&out_rgb[3 * to], mean, sizeof mean);
             if (out_samples) out_samples[to] = (float)n;
-            if (out_error) out_error[to] = pixel_error(tile, i);
+            if (out_error) out_error[to] = rnd_film_error(&tile->pixels->pixel[i]);
         }
         pthread_mutex_unlock(&tile->lock);
     }

@@ -36,10 +36,16 @@ uint32_t rnd_film_published(const struct rnd_film *film, struct rnd_tile *tiles,
 /* The state of a tile as it was published last. Does not wait for its lock. */
 void rnd_film_state(const struct rnd_film_tile *tile, struct rnd_tile *out_state);
 
+/* Lock a tile for reading: wait for a thread that is just adding to it, but not for one that the system has
+ * suspended. False if the lock is not to be had. */
+bool rnd_film_lock_soon(struct rnd_film_tile *tile);
+
 /* Of a tile whose lock is held: its paths are in its pixels after this. */
 void rnd_film_spread(struct rnd_film_tile *tile);
 /* Of such a pixel, its paths and the mean of its halves. Returns how many paths. */
 uint32_t rnd_film_mean(const struct rnd_film_pixel *pixel, float out_mean[3]);
+/* Standard error of its luminance, from the halves; 0 if one is empty. */
+float rnd_film_error(const struct rnd_film_pixel *pixel);
 /* Pixel i of a tile, wherever its paths are. */
 struct rnd_film_pixel rnd_film_pixel_at(const struct rnd_film_tile *tile, uint32_t i);
 /* In a film with planes: the record of a pixel, and the floats of a block. */

@@ -2,6 +2,7 @@
 #include "film/planes.h"
 #include "material/surface.h"
 #include "math/half.h"
+#include "renderer.h"
 
 #include <math.h>
 
@@ -40,13 +41,46 @@ static void instance_number(const struct rnd_surface *surface, uint32_t instance
     *out = (float)instance;
 }
 
+/* Channels are named as compositors know them: LAYER.R or LAYER.X (OpenEXR's layers). */
 static const struct rnd_plane table[RND_PLANES] = {
-    [RND_PLANE_ALBEDO] = {"albedo", 3, RND_PLANE_HALVES, albedo},
-    [RND_PLANE_NORMAL] = {"normal", 3, RND_PLANE_HALVES, normal},
-    [RND_PLANE_POSITION] = {"position", 3, RND_PLANE_FLOATS, position},
-    [RND_PLANE_COVERAGE] = {"coverage", 1, RND_PLANE_HALVES, coverage},
-    [RND_PLANE_INSTANCE] = {"instance", 1, RND_PLANE_LAST, instance_number},
+    [RND_PLANE_ALBEDO] = {.name = "albedo",
+                          .summary = "base colour of the surface",
+                          .channels = 3,
+                          .channel = {"albedo.R", "albedo.G", "albedo.B"},
+                          .form = RND_PLANE_HALVES,
+                          .gather = albedo},
+    [RND_PLANE_NORMAL] = {.name = "normal",
+                          .summary = "its normal in the world, facing the camera",
+                          .channels = 3,
+                          .channel = {"normal.X", "normal.Y", "normal.Z"},
+                          .form = RND_PLANE_HALVES,
+                          .gather = normal},
+    [RND_PLANE_POSITION] = {.name = "position",
+                            .summary = "its place in the world, m; coverage comes with it",
+                            .channels = 3,
+                            .channel = {"position.X", "position.Y", "position.Z"},
+                            .form = RND_PLANE_FLOATS,
+                            .gather = position},
+    [RND_PLANE_COVERAGE] = {.name = "coverage",
+                            .summary = "share of the paths that hit a surface; the others saw the sky",
+                            .channels = 1,
+                            .channel = {"coverage"},
+                            .form = RND_PLANE_HALVES,
+                            .gather = coverage},
+    [RND_PLANE_INSTANCE] = {.name = "instance",
+                            .summary = "number of the mesh or instance, from 1",
+                            .channels = 1,
+                            .channel = {"instance"},
+                            .form = RND_PLANE_LAST,
+                            .gather = instance_number},
 };
+
+const char *rnd_plane_at(size_t index, const char **out_summary)
+{
+    const struct rnd_plane *plane = index < RND_PLANES ? &table[index] : NULL;
+    *out_summary = plane ? plane->summary : NULL;
+    return plane ? plane->name : NULL;
+}
 
 void rnd_planes_init(struct rnd_planes *planes, uint32_t asked)
 {
@@ -79,6 +113,13 @@ size_t rnd_planes_size(const struct rnd_planes *planes, uint32_t pixels, uint32_
 static enum rnd_plane_form form_of(const struct rnd_planes *planes, int channel)
 {
     return table[planes->plane[channel]].form;
+}
+
+const char *rnd_planes_channel(const struct rnd_planes *planes, int channel, bool *out_floats)
+{
+    const int plane = planes->plane[channel];
+    *out_floats = form_of(planes, channel) != RND_PLANE_HALVES;
+    return table[plane].channel[channel - planes->first[plane]];
 }
 
 /* A channel of a record, which is aligned to nothing. */

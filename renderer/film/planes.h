@@ -1,18 +1,19 @@
 /* Planes: what the film keeps of the first surfaces of its paths, beside their radiance.
  *
- * A film has the planes that its reconstruction asks for, and no others. A path's values are gathered where
- * its first ray has hit a surface; a path that hits nothing has 0 in every plane. So a mean over the paths of
- * a pixel is the mean over those that hit, times the plane "coverage".
+ * A film has the planes that its reconstruction or its user asks for, and no others. A path's values are
+ * gathered where its first ray has hit a surface; a path that hits nothing has 0 in every plane. So a mean
+ * over the paths of a pixel is the mean over those that hit, times the plane "coverage".
  */
 #ifndef FOVEAD_RENDERER_PLANES_H
 #define FOVEAD_RENDERER_PLANES_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 struct rnd_surface;
 
-/* Names of the rows of the table. */
+/* Names of the rows of the table, in the order of rnd_plane_at(). */
 enum rnd_plane_id {
     RND_PLANE_ALBEDO,   /* base colour: with textures and vertex colours */
     RND_PLANE_NORMAL,   /* shading normal in the world, facing the camera; the mean is not of unit length */
@@ -35,8 +36,10 @@ enum rnd_plane_form {
 };
 
 struct rnd_plane {
-    const char *name;
-    int channels; /* up to 3 */
+    const char *name;       /* as an option names it */
+    const char *summary;    /* half a line */
+    int channels;           /* up to 3 */
+    const char *channel[3]; /* their names in files */
     enum rnd_plane_form form;
     /* The channels of a path that hit that surface of the mesh or instance of that number. */
     void (*gather)(const struct rnd_surface *surface, uint32_t instance, float *out);
@@ -53,6 +56,9 @@ struct rnd_planes {
 
 /* asked: a set of planes. */
 void rnd_planes_init(struct rnd_planes *planes, uint32_t asked);
+
+/* The name of a channel in files; *out_floats: halves would not hold its values. */
+const char *rnd_planes_channel(const struct rnd_planes *planes, int channel, bool *out_floats);
 
 /* The values of a path, planes->channels of them. What is not finite becomes 0. */
 void rnd_planes_gather(const struct rnd_planes *planes, const struct rnd_surface *surface, uint32_t instance,

@@ -1,6 +1,5 @@
 /* Sums of the film over the pixels of a tile at any level. */
 #include "film/sums.h"
-#include "math/pool.h"
 #include "math/sphere.h"
 
 #include <math.h>
@@ -143,17 +142,6 @@ static void merge_state(struct rnd_tile *to, const struct rnd_tile *from, bool f
     to->aimed_ns = from->aimed_ns;
 }
 
-/* Wait for a thread that is just adding to the tile, but not for one that was put aside meanwhile. */
-static bool lock_soon(struct rnd_film_tile *tile)
-{
-    enum { LOOKS = 1000 }; /* some tens of microseconds */
-    for (int i = 0; i < LOOKS; i++) {
-        if (pthread_mutex_trylock(&tile->lock) == 0) return true;
-        rnd_pause();
-    }
-    return false;
-}
-
 bool rnd_film_sums(const struct rnd_film *film, int level, int x, int y, struct rnd_sums *out_sums,
                    float *out_planes, struct rnd_tile *out_state)
 {
@@ -167,7 +155,7 @@ bool rnd_film_sums(const struct rnd_film *film, int level, int x, int y, struct 
         const int dx = i % span, dy = i / span;
         struct rnd_film_tile *tile = &film->tile[(y * span + dy) * film->across + x * span + dx];
         struct rnd_tile part;
-        if (whole && lock_soon(tile)) {
+        if (whole && rnd_film_lock_soon(tile)) {
             part = tile->state;
             if (i == 0) out_sums->camera = tile->camera;
             const int left = dx * RND_TILE / span, top = dy * RND_TILE / span;

@@ -55,27 +55,30 @@ int strip_of(const OIIO::ImageSpec &spec, size_t row)
     return (int)std::min((size_t)spec.height, std::max(rows, (size_t)unit));
 }
 
-bool read(OIIO::ImageInput &in, rnd_pixels_use use, bool want_bytes, rnd_pixels_sink &sink, char *out_error,
+bool read(OIIO::ImageInput &in, const rnd_pixels_file &file, rnd_pixels_sink &sink, char *out_error,
           size_t error_size)
 {
     const OIIO::ImageSpec &spec = in.spec();
+    const int first_channel = file.channel ? spec.channelindex(file.channel) : 0;
+    if (first_channel < 0)
+        return fail(out_error, error_size, std::string("has no channel \"") + file.channel + "\"");
     if (spec.depth > 1) return fail(out_error, error_size, "a volume, not a picture");
     if (spec.width <= 0 || spec.height <= 0 || (int64_t)spec.width * spec.height > RND_MAX_PIXELS)
         return fail(out_error, error_size, "image size out of range");
     rnd_picture picture = {};
     picture.width = spec.width;
     picture.height = spec.height;
-    picture.channels = spec.nchannels < RND_MAX_CHANNELS ? spec.nchannels : RND_MAX_CHANNELS;
+    picture.channels = file.channel ? 1 : std::min(spec.nchannels, (int)RND_MAX_CHANNELS);
     for (int c = 0; c < picture.channels; c++)
         snprintf(picture.channel_names[c], sizeof picture.channel_names[c], "%s",
-                 std::string(spec.channel_name(c)).c_str());
+                 std::string(spec.channel_name(first_channel + c)).c_str());
 
-    const float gamma = gamma_of(spec, use);
-    const bool as_bytes = use == RND_PIXELS_DATA || gamma == 0.0f;
-    picture.bytes = want_bytes && as_bytes && spec.format == OIIO::TypeDesc::UINT8;
+    const float gamma = gamma_of(spec, file.use);
+    const bool as_bytes = file.use == RND_PIXELS_DATA || gamma == 0.0f;
+    picture.bytes = file.want_bytes && as_bytes && spec.format == OIIO::TypeDesc::UINT8;
     picture.display = gamma != 1.0f;
     const size_t row = (size_t)picture.width * picture.channels * (picture.bytes ? 1 : sizeof(float));
-    const int strip = strip_of(spec, row), n = picture.channels;
+    const int strip = strip_of(spec, row), n = picture.channels, end_channel = first_channel + n;
     const OIIO::TypeDesc type = picture.bytes ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::FLOAT;
     std::unique_ptr<char, decltype(&free)> data((char *)malloc(strip * row), free);
     if (!data || !sink.begin(&sink, &picture)) return fail(out_error, error_size, "not enough memory");
@@ -83,11 +86,13 @@ bool read(OIIO::ImageInput &in, rnd_pixels_use use, bool want_bytes, rnd_pixels_
         const int rows = std::min(strip, spec.height - y), first = spec.y + y;
         const bool ok = spec.tile_width > 0
                             ? in.read_tiles(0, 0, spec.x, spec.x + spec.width, first, first + rows, spec.z,
-                                            spec.z + 1, 0, n, type, data.get())
-                            : in.read_scanlines(0, 0, first, first + rows, spec.z, 0, n, type, data.get());
+                                            spec.z + 1, first_channel, end_channel, type, data.get())
+                            : in.read_scanlines(0, 0, first, first + rows, spec.z, first_channel, end_channel,
+                                                type, data.get());
         if (!ok) return fail(out_error, error_size, in.geterror());
         if (!picture.bytes && gamma != 1.0f)
-            decode((float *)data.get(), (size_t)rows * picture.width, n, spec.alpha_channel, gamma);
+            decode((float *)data.get(), (size_t)rows * picture.width, n, spec.alpha_channel - first_channel,
+                   gamma);
         if (!sink.rows(&sink, y, rows, data.get())) return fail(out_error, error_size, "not enough memory");
     }
     return true;
@@ -234,7 +239,7 @@ extern "C" bool rnd_pixels_stream(const rnd_pixels_file *file, rnd_pixels_sink *
         if (file->memory) config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
         auto in = OIIO::ImageInput::open(file->path, &config);
         if (!in) return fail(out_error, error_size, OIIO::geterror());
-        const bool ok = read(*in, file->use, file->want_bytes, *sink, out_error, error_size);
+        const bool ok = read(*in, *file, *sink, out_error, error_size);
         in->close();
         return ok;
     } catch (const std::exception &e) {

@@ -13,7 +13,11 @@
 extern "C" {
 #endif
 
-enum { RND_MAX_CHANNELS = 8, RND_MAX_PIXELS = 1 << 30 };
+enum {
+    RND_MAX_CHANNELS = 8,     /* of a picture that is read */
+    RND_LAYOUT_CHANNELS = 20, /* of one that is written */
+    RND_MAX_PIXELS = 1 << 30,
+};
 
 /* Pixels in memory: bytes if the file holds 8-bit integers and bytes were asked for, else floats. One is
  * NULL. Floats of colours are linear light, bytes of colours sRGB; alpha is as it is stored. */
@@ -46,7 +50,8 @@ struct rnd_pixels_file {
                            read the file */
     size_t count;
     enum rnd_pixels_use use;
-    bool want_bytes; /* read bytes if the file holds 8-bit integers */
+    bool want_bytes;     /* read bytes if the file holds 8-bit integers */
+    const char *channel; /* read this one alone; NULL: the first ones */
 };
 
 /* Read the first part of an image file, some rows at a time. At most RND_MAX_CHANNELS channels. Error text is
@@ -70,7 +75,7 @@ struct rnd_channel {
 /* The layout of a picture that is written. */
 struct rnd_layout {
     int width, height, channels;
-    struct rnd_channel channel[RND_MAX_CHANNELS];
+    struct rnd_channel channel[RND_LAYOUT_CHANNELS];
     bool equirectangular; /* marked as a 360-degree panorama for viewers */
     char format[16];      /* a file name extension */
 };

@@ -78,8 +78,11 @@ static void read_picture(int socket, const struct rnd_image_request *request, co
     char error[RND_ERROR_SIZE / 2] = "";
     rnd_reader_limit_time(request->seconds);
     void *bytes = request->in_memory ? receive_file(socket, request->file_bytes) : NULL;
-    const struct rnd_pixels_file file = {path, bytes, request->file_bytes, (enum rnd_pixels_use)request->use,
-                                         request->want_bytes};
+    const struct rnd_pixels_file file = {.path = path,
+                                         .memory = bytes,
+                                         .count = request->file_bytes,
+                                         .use = (enum rnd_pixels_use)request->use,
+                                         .want_bytes = request->want_bytes};
     const bool whole = rnd_pixels_stream(&file, &sender.sink, error, sizeof error);
     answer(socket, whole || (sender.size_only && sender.begun), error);
     free(bytes);

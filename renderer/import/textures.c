@@ -255,7 +255,11 @@ static bool take_rows(struct rnd_pixels_sink *sink, int first, int rows, const v
 
 static struct rnd_pixels_file file_of(const struct rnd_texture *texture)
 {
-    return (struct rnd_pixels_file){texture->path, texture->file, texture->file_bytes, texture->use, true};
+    return (struct rnd_pixels_file){.path = texture->path,
+                                    .memory = texture->file,
+                                    .count = texture->file_bytes,
+                                    .use = texture->use,
+                                    .want_bytes = true};
 }
 
 bool rnd_texture_load(struct rnd_texture *texture, struct rnd_image_reader *reader)

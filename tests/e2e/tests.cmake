@@ -10,7 +10,7 @@ foreach(program compare mean picture)
 endforeach()
 target_link_libraries(e2e_golden PRIVATE daemon)
 
-foreach(name access attention bad_input client compare disk files hostile libraries move options record shutdown steer streams tracker
+foreach(name access attention bad_input client compare disk files hostile libraries move options record saves shutdown steer streams tracker
         until virtual)
   add_test(NAME e2e_${name} COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/e2e/${name}.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
   set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" SKIP_RETURN_CODE 77)

@@ -62,7 +62,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     const enum rnd_pixels_use use = (enum rnd_pixels_use)(data[0] >> 3 & 3);
     const bool want_bytes = data[0] & 32;
     if (use > RND_PIXELS_COLOUR) return 0;
-    const struct rnd_pixels_file file = {names[data[0] & 7], data + 1, size - 1, use, want_bytes};
+    const struct rnd_pixels_file file = {.path = names[data[0] & 7],
+                                         .memory = data + 1,
+                                         .count = size - 1,
+                                         .use = use,
+                                         .want_bytes = want_bytes};
     if (rnd_pixels_read(&file, &pixels, error, sizeof error))
         check(&pixels, want_bytes);
     else if (!*error || strpbrk(error, "\r\n") || pixels.bytes || pixels.floats)

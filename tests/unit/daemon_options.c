@@ -124,6 +124,32 @@ static void everything_said(void **state)
     finish(&o);
 }
 
+static void planes(void **state)
+{
+    static const struct {
+        const char *line;
+        uint32_t planes;
+    } PLANES[] = {{"", 0},
+                  {"--planes albedo", 1},
+                  {"--planes instance,normal", 18},
+                  {"--planes all", 31},
+                  {"--planes all --planes position,position", 4}};
+    struct dmn_options o;
+
+    (void)state;
+    for (size_t i = 0; i < sizeof(PLANES) / sizeof(*PLANES); i++) {
+        char line[100];
+
+        snprintf(line, sizeof(line), "--scene a.gltf %s", PLANES[i].line);
+        run(line, &o);
+        assert_int_equal(o.render.planes, PLANES[i].planes);
+        finish(&o);
+    }
+    assert_int_equal(parse("--scene a.gltf --planes normal,depth", &o), DMN_REFUSED);
+    assert_non_null(strstr(said, "there is no 'depth', expected all or some of "
+                                 "albedo,normal,position,coverage,instance"));
+}
+
 static void the_former_name_of_camera(void **state)
 {
     struct dmn_options o;
@@ -239,6 +265,12 @@ static const char *const REFUSED[] = {
     "--scene a --until 1s --loop",
     "--scene a --clock virtual --speed 2",
     "--scene a --save b.png",
+    "--scene a --planes",
+    "--scene a --planes=",
+    "--scene a --planes albedo,",
+    "--scene a --planes albedo,all",
+    "--scene a --planes Albedo",
+    "--scene a --planes albed",
     "--scene a --listen tcp:localhost",
     "--scene a --json=1",
     "--scene a --screen 1,2",
@@ -357,6 +389,7 @@ int main(void)
         cmocka_unit_test(defaults),
         cmocka_unit_test(a_final_picture),
         cmocka_unit_test(everything_said),
+        cmocka_unit_test(planes),
         cmocka_unit_test(the_former_name_of_camera),
         cmocka_unit_test(gaze),
         cmocka_unit_test(given_again),

@@ -191,8 +191,9 @@ static void survey(void **state)
     for (int threads = 1; threads <= 3; threads++) {
         struct rnd_pool *pool = rnd_pool_create(threads);
         assert_non_null(pool);
-        rnd_survey_lights(scene, &(struct rnd_camera){{in[0], in[1], in[2]}}, pool, &choice[0][threads - 1]);
-        rnd_survey_lights(scene, &(struct rnd_camera){{out[0], out[1], out[2]}}, pool,
+        rnd_survey_lights(scene, &(struct rnd_camera){.position = {in[0], in[1], in[2]}}, pool,
+                          &choice[0][threads - 1]);
+        rnd_survey_lights(scene, &(struct rnd_camera){.position = {out[0], out[1], out[2]}}, pool,
                           &choice[1][threads - 1]);
         rnd_pool_destroy(pool);
     }
@@ -225,7 +226,7 @@ static void window(void **state)
     for (int threads = 1; threads <= 3; threads++) {
         struct rnd_pool *pool = rnd_pool_create(threads);
         assert_non_null(pool);
-        rnd_survey_lights(scene, &(struct rnd_camera){{0, 1, 0}}, pool, &choice[threads - 1]);
+        rnd_survey_lights(scene, &(struct rnd_camera){.position = {0, 1, 0}}, pool, &choice[threads - 1]);
         rnd_pool_destroy(pool);
         assert_memory_equal(&choice[0].env, &choice[threads - 1].env, sizeof choice[0].env);
     }
@@ -248,7 +249,7 @@ static double below(const char *path, const float camera[3], int group, float *o
     for (int threads = 1; threads <= 2; threads++) {
         struct rnd_pool *pool = rnd_pool_create(threads);
         assert_non_null(pool);
-        rnd_survey_lights(scene, &(struct rnd_camera){{camera[0], camera[1], camera[2]}}, pool,
+        rnd_survey_lights(scene, &(struct rnd_camera){.position = {camera[0], camera[1], camera[2]}}, pool,
                           &choice[threads - 1]);
         rnd_pool_destroy(pool);
     }

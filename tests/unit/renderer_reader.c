@@ -80,19 +80,26 @@ static void sizes(void **state)
     uint8_t bytes[128];
     const size_t count = files_png_bytes(bytes, 8, 128, 0);
     for (int turn = 0; turn < 2; turn++) {
-        assert_true(rnd_image_size_apart(
-            &images, &(struct rnd_pixels_file){noise("odd.png", 37, 23), NULL, 0, RND_PIXELS_SRGB, true},
-            &picture, error, sizeof error));
+        assert_true(rnd_image_size_apart(&images,
+                                         &(struct rnd_pixels_file){.path = noise("odd.png", 37, 23),
+                                                                   .use = RND_PIXELS_SRGB,
+                                                                   .want_bytes = true},
+                                         &picture, error, sizeof error));
         assert_int_equal(picture.width, 37);
         assert_int_equal(picture.height, 23);
         assert_true(picture.bytes);
-        assert_true(rnd_image_size_apart(
-            &images, &(struct rnd_pixels_file){"inside.png", bytes, count, RND_PIXELS_SRGB, true}, &picture,
-            error, sizeof error));
+        assert_true(rnd_image_size_apart(&images,
+                                         &(struct rnd_pixels_file){.path = "inside.png",
+                                                                   .memory = bytes,
+                                                                   .count = count,
+                                                                   .use = RND_PIXELS_SRGB,
+                                                                   .want_bytes = true},
+                                         &picture, error, sizeof error));
         assert_int_equal(picture.width, 2);
         assert_false(rnd_image_size_apart(
             &images,
-            &(struct rnd_pixels_file){files_text("text.png", "no picture"), NULL, 0, RND_PIXELS_SRGB, true},
+            &(struct rnd_pixels_file){
+                .path = files_text("text.png", "no picture"), .use = RND_PIXELS_SRGB, .want_bytes = true},
             &picture, error, sizeof error));
         assert_true(*error && !strchr(error, '\n'));
     }
@@ -212,9 +219,11 @@ static bool read_of(const enum rnd_image_packet *kind, const void *const *bytes,
     images.socket = pair[0];
     images.cancel[0] = cancel;
     *out = (struct counting){.sink = {count_begin, count_rows}};
-    const bool ok = rnd_image_read_apart(
-        &images, &(struct rnd_pixels_file){noise("odd.png", 37, 23), NULL, 0, RND_PIXELS_SRGB, true},
-        &out->sink, out_error, RND_ERROR_SIZE);
+    const bool ok = rnd_image_read_apart(&images,
+                                         &(struct rnd_pixels_file){.path = noise("odd.png", 37, 23),
+                                                                   .use = RND_PIXELS_SRGB,
+                                                                   .want_bytes = true},
+                                         &out->sink, out_error, RND_ERROR_SIZE);
     rnd_image_reader_finish(&images);
     close(pair[1]);
     return ok;
@@ -334,7 +343,8 @@ static void cancelled(void **state)
     assert_null(rnd_scene_load(&options, error));
     assert_non_null(strstr(error, "room.obj: "));
     rnd_image_size_apart(&images,
-                         &(struct rnd_pixels_file){noise("odd.png", 37, 23), NULL, 0, RND_PIXELS_SRGB, true},
+                         &(struct rnd_pixels_file){
+                             .path = noise("odd.png", 37, 23), .use = RND_PIXELS_SRGB, .want_bytes = true},
                          &picture, error, sizeof error); /* must return, whatever the result */
     rnd_image_reader_finish(&images);
 }
