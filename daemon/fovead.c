@@ -133,11 +133,20 @@ static bool open_sockets(struct daemon *daemon)
     return true;
 }
 
-/* Where a browser finds the page. */
-static void print_page(const struct daemon *daemon, const struct dmn_listener *listener, const char *place)
+/* Print the address that a listener listens on, and for browsers the address of the page. */
+static void print_listener(const struct daemon *daemon, const struct dmn_listener *listener)
 {
-    dmn_print(daemon->out, "page     http://%s/%s\n", place,
-              listener->token ? "#token=TOKEN, with FOVEAD_TOKEN's text" : "");
+    const char *host = listener->address.host;
+    char address[PRO_ERROR_SIZE], own[256] = "";
+    const bool is_any = !host[strspn(host, "0.:")]; /* as 0.0.0.0 and ::, all addresses of this machine */
+
+    pro_address_print(&listener->address, address, sizeof(address));
+    dmn_print(daemon->out, "listens  %s\n", address);
+    if (!listener->address.is_http) return;
+    if (is_any && !gethostname(own, sizeof(own) - 1) && *own)
+        snprintf(address, sizeof(address), "http:%s:%u", own, listener->address.port);
+    dmn_print(daemon->out, "page     http://%s/%s\n", address + strlen("http:"),
+              listener->token ? "#token=TOKEN (put the value of FOVEAD_TOKEN for TOKEN)" : "");
 }
 
 static void print_start(const struct daemon *daemon)
@@ -145,7 +154,6 @@ static void print_start(const struct daemon *daemon)
     const struct rnd_scene_info *info = rnd_scene_info(daemon->scene);
     const struct dmn_options *options = &daemon->options;
     struct dmn_gaze_status gaze;
-    char address[PRO_ERROR_SIZE];
 
     dmn_gaze_status(daemon->handles.gaze, &gaze);
     dmn_report_left_out(info, options->scene.path);
@@ -155,12 +163,7 @@ static void print_start(const struct daemon *daemon)
     if (*gaze.recording) dmn_print(daemon->out, "records  %s\n", gaze.recording);
     dmn_print(daemon->out, "film     %dx%d, mode %s, %d threads\n", options->render.width,
               options->render.height, options->render.distribution->name, options->render.threads);
-    for (int i = 0; i < daemon->listeners; i++) {
-        pro_address_print(&daemon->listener[i].address, address, sizeof(address));
-        dmn_print(daemon->out, "listens  %s\n", address);
-        if (daemon->listener[i].address.is_http)
-            print_page(daemon, &daemon->listener[i], address + strlen("http:"));
-    }
+    for (int i = 0; i < daemon->listeners; i++) print_listener(daemon, &daemon->listener[i]);
     dmn_print(daemon->out, "fovead: ready\n");
     fflush(daemon->out);
 }

@@ -12,12 +12,13 @@
 #include "loop.h"
 #include "paint.h"
 #include "transport/connection.h"
+#include "transport/room.h"
 #include "transport/table.h"
 
 enum {
-    MOST_CLIENTS = 64,
-    MOST_STRANGERS = 16, /* of them, clients whose token has not been checked: they leave room for others */
-    MOST_FDS = MOST_CLIENTS + DMN_MAX_LISTEN + 16, /* and what libwebsockets needs itself */
+    ACCEPTED = 16, /* connections at most before other sockets have their turn */
+    /* The last are for libwebsockets itself. */
+    MOST_FDS = DMN_MOST_CLIENTS + DMN_MOST_VISITS + ACCEPTED + DMN_MAX_LISTEN + 16,
 };
 
 /* What is known of the picture is updated every UPDATE_NS at most, and for at most a tenth of the loop's
@@ -135,23 +136,6 @@ static struct dmn_loop *loop_of(struct lws *wsi)
     return lws_context_user(lws_get_context(wsi));
 }
 
-/* Is there no room for one more client of this listener? Then why. */
-static bool is_full(const struct dmn_loop *loop, const struct dmn_listener *listener, char *out_why,
-                    size_t size)
-{
-    int connections = 0, strangers = 0;
-
-    for (const struct dmn_connection *c = loop->connections; c; c = c->next) {
-        connections++;
-        strangers += c->listener == listener && c->options.token && !(c->client && c->client->greeted);
-    }
-    snprintf(out_why, size, "%d clients are connected, which is the most", MOST_CLIENTS);
-    if (connections >= MOST_CLIENTS) return true;
-    snprintf(out_why, size, "%d clients are connected that have shown no token, which is the most",
-             MOST_STRANGERS);
-    return listener->token && strangers >= MOST_STRANGERS;
-}
-
 /* A client has connected: serve it, or turn it away. */
 static void meet(struct dmn_loop *loop, const struct dmn_listener *listener, int fd,
                  const struct dmn_peer *peer)
@@ -163,13 +147,15 @@ static void meet(struct dmn_loop *loop, const struct dmn_listener *listener, int
     char why[96] = "the daemon is ending";
     const bool is_good = transport->origin_is_good(peer, why, sizeof(why));
 
-    if (is_good && !loop->stop && !is_full(loop, listener, why, sizeof(why))) {
+    if (transport->is_http) dmn_room_for_visit(loop->connections);
+    if (is_good && !loop->stop &&
+        (transport->is_http || dmn_room_for_client(loop->connections, listener, why, sizeof(why)))) {
         options.number = ++loop->numbers;
         dmn_connection_open(&loop->connections, &arrival, &options);
         return;
     }
     dmn_print(stderr, "fovead: client (%s) turned away: %s\n", peer->name, why);
-    if (is_good) transport->refuse(fd, why); /* others are told nothing */
+    if (is_good && transport->refuse) transport->refuse(fd, why); /* others are told nothing */
     close(fd);
 }
 
@@ -184,7 +170,8 @@ static int on_listener(struct lws *wsi, enum lws_callback_reasons reason, void *
     (void)user, (void)in, (void)size;
     if (reason != LWS_CALLBACK_RAW_RX_FILE) return 0;
     listener = lws_get_opaque_user_data(wsi);
-    while ((fd = dmn_listener_accept(listener, &peer)) >= 0) meet(loop_of(wsi), listener, fd, &peer);
+    for (int i = 0; i < ACCEPTED && (fd = dmn_listener_accept(listener, &peer)) >= 0; i++)
+        meet(loop_of(wsi), listener, fd, &peer);
     return 0;
 }
 
@@ -213,14 +200,19 @@ static bool adopt_file(struct dmn_loop *loop, int fd, const char *protocol, void
     return lws_adopt_descriptor_vhost_via_info(&adopt);
 }
 
+/* libwebsockets moves an HTTP request to whichever virtual host of the same port the Host header names. So the
+ * virtual host for HTTP has a "port" of its own; neither value is a port that libwebsockets listens on. */
 static bool open_vhosts(struct dmn_loop *loop, struct lws_context_creation_info *info)
 {
     for (int i = 0; i < DMN_TRANSPORTS; i++) {
-        info->vhost_name = dmn_transports[i]->host;
-        info->protocols = dmn_transports[i]->protocols;
-        if (!(loop->clients_of[i] = lws_create_vhost(loop->context, info))) return false;
+        struct lws_context_creation_info own = *info;
+
+        own.vhost_name = dmn_transports[i]->name;
+        own.protocols = dmn_transports[i]->protocols;
+        if (dmn_transports[i]->is_http) own.port = CONTEXT_PORT_NO_LISTEN_SERVER;
+        if (!(loop->clients_of[i] = lws_create_vhost(loop->context, &own))) return false;
     }
-    info->vhost_name = ":files"; /* see transport.h */
+    info->vhost_name = "files";
     info->protocols = files;
     loop->files = lws_create_vhost(loop->context, info);
     return loop->files;

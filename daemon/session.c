@@ -65,7 +65,7 @@ bool dmn_session_check(struct dmn_client *client, bool partial, char out_error[P
     client->partial = partial;
     if (++client->checks < PATIENCE) return true;
     if (!client->greeted) return dmn_client_fail(out_error, "it did not say hello");
-    if (partial) return dmn_client_fail(out_error, "it began a frame and did not end it");
+    if (partial) return dmn_client_fail(out_error, "it began a message and did not end it");
     return true;
 }
 

@@ -42,7 +42,8 @@ void dmn_connection_open(struct dmn_connection **list, const struct dmn_arrival 
      */
     connection->wsi = lws_adopt_descriptor_vhost_via_info(&adopt);
     if (!connection->wsi) {
-        dmn_print(stderr, "fovead: client %u (%s) cannot be served\n", options->number, arrival->peer.name);
+        dmn_print(stderr, "fovead: client %u (%s) turned away: it cannot be served\n", options->number,
+                  arrival->peer.name);
         destroy(connection);
         return;
     }
@@ -62,33 +63,53 @@ bool dmn_connection_meet(struct dmn_connection *connection)
     return transport->begin(connection) && (connection->client = dmn_session_create(&connection->options));
 }
 
-static void drop(struct dmn_connection *connection, const char *why)
+/* Tell the client why the connection ends, if the socket takes that at once. */
+static void say_farewell(struct dmn_connection *connection, const char *why)
 {
     uint8_t *message;
     size_t count;
 
-    dmn_print(stderr, "fovead: client %u (%s) dropped: %s\n", connection->client->options.number,
-              connection->client->peer, why);
     if (lws_send_pipe_choked(connection->wsi)) return;
     message = dmn_send_farewell(why, connection->transport->headroom, &count);
     if (message) connection->transport->write(connection, message, count);
     free(message);
 }
 
-bool dmn_connection_read(struct dmn_connection *connection, const void *bytes, size_t count)
+void dmn_connection_end(struct dmn_connection *connection)
+{
+    connection->leaving = true;
+    lws_set_timeout(connection->wsi, PENDING_TIMEOUT_KILLED_BY_PARENT, LWS_TO_KILL_ASYNC);
+}
+
+static void drop(struct dmn_connection *connection, const char *why)
+{
+    dmn_print(stderr, "fovead: client %u (%s) dropped: %s\n", connection->client->options.number,
+              connection->client->peer, why);
+    say_farewell(connection, why);
+    dmn_connection_end(connection);
+}
+
+void dmn_connection_refuse(struct dmn_connection *connection, const char *why)
+{
+    dmn_print(stderr, "fovead: client %u (%s) turned away: %s\n", connection->options.number,
+              connection->peer.name, why);
+    say_farewell(connection, why);
+}
+
+void dmn_connection_read(struct dmn_connection *connection, const void *bytes, size_t count)
 {
     char error[PRO_ERROR_SIZE];
 
-    if (!connection->transport->read(connection, bytes, count, error)) {
+    if (connection->leaving) return;
+    if (connection->transport->read(connection, bytes, count, error))
+        dmn_connection_wake(connection);
+    else
         drop(connection, error);
-        return false;
-    }
-    dmn_connection_wake(connection);
-    return true;
 }
 
 bool dmn_connection_write(struct dmn_connection *connection)
 {
+    if (connection->leaving) return true;
     for (int i = 0; i < BURST; i++) {
         size_t count;
         uint8_t *message = dmn_send_next(connection->client, &count);
@@ -117,7 +138,8 @@ void dmn_connection_close(struct dmn_connection *connection)
 
 void dmn_connection_wake(struct dmn_connection *connection)
 {
-    if (connection->client && dmn_send_is_due(connection->client)) lws_callback_on_writable(connection->wsi);
+    if (connection->client && !connection->leaving && dmn_send_is_due(connection->client))
+        lws_callback_on_writable(connection->wsi);
 }
 
 void dmn_connection_check(struct dmn_connection *connection)
@@ -125,19 +147,19 @@ void dmn_connection_check(struct dmn_connection *connection)
     const struct dmn_transport *transport = connection->transport;
     char error[PRO_ERROR_SIZE];
 
-    if (!connection->client && ++connection->checks >= VISIT)
-        lws_set_timeout(connection->wsi, PENDING_TIMEOUT_KILLED_BY_PARENT, LWS_TO_KILL_ASYNC);
-    if (!connection->client) return;
+    /* libwebsockets may have set another timeout since. */
+    if (connection->leaving || (!connection->client && ++connection->checks >= VISIT))
+        dmn_connection_end(connection);
+    if (!connection->client || connection->leaving) return;
     dmn_session_stats(connection->client);
     if (dmn_session_check(connection->client, transport->is_partial(connection), error) &&
         transport->read(connection, NULL, 0, error))
         return;
     drop(connection, error);
-    lws_set_timeout(connection->wsi, PENDING_TIMEOUT_KILLED_BY_PARENT, LWS_TO_KILL_ASYNC);
 }
 
 bool dmn_connection_has_more(struct dmn_connection *connection)
 {
-    return connection->client &&
+    return connection->client && !connection->leaving &&
            (dmn_send_is_due(connection->client) || lws_partial_buffered(connection->wsi));
 }

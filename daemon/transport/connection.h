@@ -15,6 +15,7 @@ struct dmn_connection {
     struct dmn_client *client;         /* the session; NULL: none has begun */
     void *unwrapping;                  /* for the transport */
     unsigned checks;                   /* so far, before the session began */
+    bool leaving;                      /* libwebsockets will close it, and nothing more is done for it */
 };
 
 /* A socket that was accepted. */
@@ -34,12 +35,16 @@ void dmn_connection_open(struct dmn_connection **list, const struct dmn_arrival 
 /* --- what libwebsockets says, by the transport's callback; false: the connection must be closed --- */
 
 bool dmn_connection_meet(struct dmn_connection *connection); /* begins the session */
-bool dmn_connection_read(struct dmn_connection *connection, const void *bytes, size_t count);
+void dmn_connection_read(struct dmn_connection *connection, const void *bytes, size_t count);
 bool dmn_connection_write(struct dmn_connection *connection);
+/* Tell a client, on which no session has begun, why it is turned away; the connection must then be closed. */
+void dmn_connection_refuse(struct dmn_connection *connection, const char *why);
 void dmn_connection_close(struct dmn_connection *connection); /* frees it */
 
 /* --- what the loop does; where no session has begun, nothing --- */
 
+/* Have libwebsockets close the connection, without waiting for the peer, before it waits for events again. */
+void dmn_connection_end(struct dmn_connection *connection);
 /* Ask libwebsockets to say when there is room to write, if there is something to send. */
 void dmn_connection_wake(struct dmn_connection *connection);
 /* Call this DMN_CHECKS_A_SECOND times per second: it makes statistics due, and drops a client that is

@@ -94,7 +94,8 @@ static int on_socket(struct lws *wsi, enum lws_callback_reasons reason, void *us
         lws_set_timeout(wsi, NO_PENDING_TIMEOUT, 0);
         return dmn_connection_meet(connection) ? 0 : -1;
     case LWS_CALLBACK_RAW_RX:
-        return dmn_connection_read(connection, in, size) ? 0 : -1;
+        dmn_connection_read(connection, in, size);
+        return 0;
     case LWS_CALLBACK_RAW_WRITEABLE:
         return dmn_connection_write(connection) ? 0 : -1;
     case LWS_CALLBACK_RAW_CLOSE:
@@ -111,7 +112,7 @@ static const struct lws_protocols protocols[] = {
 };
 
 const struct dmn_transport dmn_raw = {
-    .host = ":raw",
+    .name = "raw",
     .protocols = protocols,
     .adoption = LWS_ADOPT_SOCKET,
     .headroom = LWS_PRE + PRO_PREFIX,

@@ -1,4 +1,4 @@
-/* The transports. */
+/* All transports. */
 #include "transport/table.h"
 #include "transport/raw.h"
 #include "transport/web.h"

@@ -12,11 +12,10 @@
 struct dmn_connection; /* connection.h */
 
 struct dmn_transport {
-    /* Name of the virtual host. libwebsockets gives an HTTP request to the first virtual host whose name begins
-     * as the Host header does up to its colon, or else to the first one of all. The name of a transport that is
-     * not HTTP therefore begins with a colon, so that no Host header leads there. */
-    const char *host;
-    bool is_http; /* serves listeners whose address is http:; the other one serves all others */
+    const char *name; /* of its virtual host in libwebsockets */
+    /* true: serves the listeners whose address is http:, where a connection begins as a visit (room.h).
+     * false: serves all other listeners, where a connection is a client from the start. */
+    bool is_http;
     /* What libwebsockets serves, with an empty entry last. The callback of a connection calls
      * dmn_connection_meet() when messages can come, dmn_connection_read() on what comes in,
      * dmn_connection_write() on room to write, and at the end dmn_connection_close(). The connection is the
@@ -30,7 +29,7 @@ struct dmn_transport {
     /* Does the daemon write files for this peer? */
     bool (*may_save)(const struct dmn_peer *peer);
     /* Tell a client whose socket was just accepted why it is turned away, if the socket takes that at once.
-     */
+     * NULL if is_http: a visit is not turned away. */
     void (*refuse)(int fd, const char *why);
 
     /* Prepare connection->unwrapping, which holds the part of a message that has come. False if memory is

@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
+#include <unistd.h>
 
 #include "transport/visit.h"
 
@@ -24,6 +25,19 @@ static bool name_of(const char *host, char *out_name, size_t size)
     return true;
 }
 
+/* Is it a name of this machine? */
+static bool is_own_name(const char *name)
+{
+    char own[256] = "", local[sizeof(own) + 8];
+    int first;
+
+    if (gethostname(own, sizeof(own) - 1)) return false;
+    first = (int)strcspn(own, ".");
+    snprintf(local, sizeof(local), "%.*s.local", first, own);
+    return !strcasecmp(name, own) || !strcasecmp(name, local) ||
+           ((int)strlen(name) == first && !strncasecmp(name, own, (size_t)first));
+}
+
 bool dmn_visit_host_is_good(const char *host, const struct dmn_listener *listener)
 {
     unsigned char address[sizeof(struct in6_addr)];
@@ -31,7 +45,8 @@ bool dmn_visit_host_is_good(const char *host, const struct dmn_listener *listene
 
     if (!name_of(host, name, sizeof(name))) return false;
     return !strcasecmp(name, "localhost") || !strcasecmp(name, listener->address.host) ||
-           inet_pton(AF_INET, name, address) == 1 || inet_pton(AF_INET6, name, address) == 1;
+           inet_pton(AF_INET, name, address) == 1 || inet_pton(AF_INET6, name, address) == 1 ||
+           (listener->token && !pro_address_is_local(&listener->address) && is_own_name(name));
 }
 
 bool dmn_visit_origin_is_good(const char *origin, const char *host)

@@ -1,4 +1,4 @@
-/* visit: what a connection by HTTP needs before it has a session: a check of its headers, and the page's files. */
+/* visit: what a browser's request needs before a session begins: a check of its headers, and the page's files. */
 #ifndef FOVEAD_DAEMON_TRANSPORT_VISIT_H
 #define FOVEAD_DAEMON_TRANSPORT_VISIT_H
 
@@ -14,11 +14,15 @@ extern const struct dmn_page_file dmn_page[];
 extern const size_t dmn_page_count;
 
 /* Does the Host header of a request name this listener? Another site can make its own name resolve to this
- * machine (DNS rebinding), and its pages then send that name. So a name must be the listener's own, or
- * localhost. Any numeric address is accepted, because nobody can make an address resolve elsewhere. */
+ * machine (DNS rebinding), and its pages then send that name. So these are accepted:
+ * - the name that the listener was given, and localhost;
+ * - any numeric address, because nobody can make an address resolve elsewhere;
+ * - where other machines can connect: the name of this machine, as gethostname(2) has it, its part before the
+ *   first dot, and that part with ".local" behind it (multicast DNS). Who can make these resolve to another
+ *   machine is in this network, and has no token, which clients need there. */
 bool dmn_visit_host_is_good(const char *host, const struct dmn_listener *listener);
-/* Does the Origin header say that the page was served here, which is "http://" and the Host header? An empty
- * origin is accepted: browsers always send one, and other programs need none. */
+/* Does the Origin header say that the page was served here? It is then "http://" and the Host header. An empty origin is accepted: browsers always send one with a WebSocket, and other
+ * programs need none. */
 bool dmn_visit_origin_is_good(const char *origin, const char *host);
 
 /* The file at a path, or NULL. */

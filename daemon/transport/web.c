@@ -2,11 +2,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include "print.h"
-#include "transport/connection.h"
+#include "transport/room.h"
 #include "transport/visit.h"
 #include "transport/web.h"
 
@@ -14,54 +12,51 @@ enum { HEADER_SIZE = 256, HEADERS_SIZE = 2048, CHUNK = 16 << 10 };
 
 /* --- who may come in --- */
 
-/* Any address that the listener has let in; Host and Origin are looked at when a browser names them. */
+/* Every peer may connect: the headers that tell where a request comes from are checked when they have come. */
 static bool origin_is_good(const struct dmn_peer *peer, char *out_why, size_t size)
 {
     (void)peer, (void)out_why, (void)size;
     return true;
 }
 
-static void refuse(int fd, const char *why)
-{
-    char answer[512], unread[4096];
-    int count =
-        snprintf(answer, sizeof(answer),
-                 "HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain\r\nContent-Length: %zu\r\n"
-                 "Connection: close\r\n\r\n%s\n",
-                 strlen(why) + 1, why);
-
-    (void)!recv(fd, unread, sizeof(unread), MSG_DONTWAIT);
-    if (count > 0 && count < (int)sizeof(answer))
-        (void)!send(fd, answer, (size_t)count, MSG_DONTWAIT | MSG_NOSIGNAL);
-}
-
-/* The header, "" if there is none; false if it is too long to be honest. */
+/* Copy a header, or "" if the request has none. False if it is too long for the buffer: the names of honest hosts
+ * are shorter. */
 static bool copy_header(struct lws *wsi, enum lws_token_indexes token, char out_text[HEADER_SIZE])
 {
     out_text[0] = '\0';
     return lws_hdr_total_length(wsi, token) == 0 || lws_hdr_copy(wsi, out_text, HEADER_SIZE, token) > 0;
 }
 
-/* Do the headers say that the request is of a page that was served here, or of no browser at all? */
-static bool is_welcome(struct lws *wsi, const struct dmn_connection *connection)
+/* Does the request come from a page that was served here, or from a program that is no browser? That is what its
+ * headers tell. False after a line on stderr; *out_answer is then for the browser's user. */
+static bool is_welcome(struct lws *wsi, const struct dmn_connection *connection, const char **out_answer)
 {
-    char host[HEADER_SIZE], origin[HEADER_SIZE];
-    const bool good = copy_header(wsi, WSI_TOKEN_HOST, host) && copy_header(wsi, WSI_TOKEN_ORIGIN, origin) &&
-                      dmn_visit_host_is_good(host, connection->listener) &&
-                      dmn_visit_origin_is_good(origin, host);
+    char host[HEADER_SIZE], origin[HEADER_SIZE], why[HEADER_SIZE + 64];
 
-    if (!good)
-        dmn_print(stderr, "fovead: client %u (%s) turned away: it asks as a page of another site does\n",
-                  connection->options.number, connection->peer.name);
-    return good;
+    *out_answer = "This request does not come from fovead's own page.\n";
+    if (!copy_header(wsi, WSI_TOKEN_HOST, host) || !copy_header(wsi, WSI_TOKEN_ORIGIN, origin)) {
+        snprintf(why, sizeof(why), "its Host or Origin header has %d bytes or more", HEADER_SIZE);
+    } else if (!*host) {
+        snprintf(why, sizeof(why), "its request has no Host header");
+    } else if (!dmn_visit_host_is_good(host, connection->listener)) {
+        snprintf(why, sizeof(why), "it asks for the host '%s', which is no name of this listener", host);
+        *out_answer = "fovead does not know this name of its machine: use the numeric address instead.\n";
+    } else if (!dmn_visit_origin_is_good(origin, host)) {
+        snprintf(why, sizeof(why), "it asks as a page of another site does, '%s'", origin);
+    } else {
+        return true;
+    }
+    dmn_print(stderr, "fovead: client %u (%s) turned away: %s\n", connection->options.number,
+              connection->peer.name, why);
+    return false;
 }
 
 /* --- the page's files --- */
 
-/* What a request is answered with. */
+/* The file of the page that a connection is sent. */
 struct answer {
-    const struct dmn_page_file *file; /* NULL: none is under way */
-    size_t sent;
+    const struct dmn_page_file *file; /* NULL: none */
+    size_t sent;                      /* bytes of it so far */
 };
 
 static const char *const HEADERS[][2] = {
@@ -106,8 +101,10 @@ static int answer_with(struct lws *wsi, unsigned status, const char *text)
 static int take_request(struct lws *wsi, const struct dmn_connection *connection, const char *path,
                         struct answer *answer)
 {
+    const char *text;
+
     if (!connection) return -1;
-    if (!is_welcome(wsi, connection)) return answer_with(wsi, HTTP_STATUS_FORBIDDEN, "not from this site\n");
+    if (!is_welcome(wsi, connection, &text)) return answer_with(wsi, HTTP_STATUS_FORBIDDEN, text);
     if (!lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI))
         return answer_with(wsi, HTTP_STATUS_METHOD_NOT_ALLOWED, "only GET is answered\n");
     answer->file = dmn_visit_file(path);
@@ -118,6 +115,7 @@ static int take_request(struct lws *wsi, const struct dmn_connection *connection
     return 0;
 }
 
+/* Send the next part of the file. */
 static int go_on(struct lws *wsi, struct answer *answer)
 {
     unsigned char buffer[LWS_PRE + CHUNK];
@@ -141,11 +139,12 @@ static int go_on(struct lws *wsi, struct answer *answer)
 
 /* --- messages --- */
 
-/* What has come so far of a message. */
+/* The part of a message that has come so far. A browser may send a message in several frames, and libwebsockets
+ * hands over a long frame in several parts. */
 struct assembly {
     uint8_t *bytes;
     size_t used, size;
-    bool whole; /* a message that waits until the session is ready */
+    bool whole; /* the message has come whole, and waits until the session is ready to take it */
 };
 
 static bool begin(struct dmn_connection *connection)
@@ -188,7 +187,7 @@ static bool read_messages(struct dmn_connection *connection, const void *bytes, 
     struct lws *wsi = connection->wsi;
     Fovea__Message *message;
 
-    if (bytes) { /* a part of a frame, of which the last one completes the message */
+    if (bytes) {
         const char *why = assembly->whole                ? "it did not wait for an answer"
                           : !lws_frame_is_binary(wsi)    ? "it sent text, where binary messages are expected"
                           : !add(assembly, bytes, count) ? "it sent a message that is too long"
@@ -221,11 +220,23 @@ static bool write_message(struct dmn_connection *connection, uint8_t *block, siz
 
 /* --- what libwebsockets says --- */
 
-/* A socket is gone. Each of its protocols may be told so. */
+/* libwebsockets has closed a socket. It may tell this more than once, to each protocol that the socket had. */
 static void leave(struct lws *wsi, struct dmn_connection *connection)
 {
     lws_set_opaque_user_data(wsi, NULL);
     if (connection) dmn_connection_close(connection);
+}
+
+/* Begin the session of a browser whose WebSocket has just opened. */
+static bool meet(struct lws *wsi, struct dmn_connection *connection)
+{
+    char why[96];
+
+    lws_set_timeout(wsi, NO_PENDING_TIMEOUT, 0); /* deadlines are the session's */
+    if (dmn_room_for_client(*connection->list, connection->listener, why, sizeof(why)))
+        return dmn_connection_meet(connection);
+    dmn_connection_refuse(connection, why);
+    return false;
 }
 
 static int on_visit(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t size)
@@ -251,17 +262,17 @@ static int on_visit(struct lws *wsi, enum lws_callback_reasons reason, void *use
 static int on_socket(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t size)
 {
     struct dmn_connection *connection = wsi ? lws_get_opaque_user_data(wsi) : NULL;
+    const char *text;
 
     (void)user;
     switch (reason) {
     case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:
-        return connection && is_welcome(wsi, connection) ? 0 : -1;
+        return connection && is_welcome(wsi, connection, &text) ? 0 : -1;
     case LWS_CALLBACK_ESTABLISHED:
-        /* Deadlines are the session's. */
-        lws_set_timeout(wsi, NO_PENDING_TIMEOUT, 0);
-        return dmn_connection_meet(connection) ? 0 : -1;
+        return meet(wsi, connection) ? 0 : -1;
     case LWS_CALLBACK_RECEIVE:
-        return dmn_connection_read(connection, in, size) ? 0 : -1;
+        dmn_connection_read(connection, in, size);
+        return 0;
     case LWS_CALLBACK_SERVER_WRITEABLE:
         return dmn_connection_write(connection) ? 0 : -1;
     case LWS_CALLBACK_WSI_DESTROY:
@@ -279,14 +290,13 @@ static const struct lws_protocols protocols[] = {
 };
 
 const struct dmn_transport dmn_web = {
-    .host = "web",
+    .name = "web",
     .is_http = true,
     .protocols = protocols,
     .adoption = LWS_ADOPT_SOCKET | LWS_ADOPT_HTTP,
     .headroom = LWS_PRE,
     .origin_is_good = origin_is_good,
     .may_save = dmn_peer_is_own,
-    .refuse = refuse,
     .begin = begin,
     .end = end,
     .read = read_messages,

@@ -1,6 +1,7 @@
 #!/bin/bash
-# What browsers are served: the page's files and nothing else, to those who ask as the page does; and WebSocket, where
-# whoever says nonsense is dropped with a line that says why, while an honest client goes on.
+# Listeners for browsers. Over HTTP they serve the page's files, and nothing else, and only if the Host and Origin headers of
+# a request are those of the page. Over WebSocket they serve clients: a client that sends nonsense is dropped with a line that
+# says why, and an honest client goes on.
 . "$(dirname "$0")/common.sh"
 make_room
 port=$("$programs/e2e_port")
@@ -27,7 +28,7 @@ speak() {
 host="Host: 127.0.0.1:$port\r\n"
 end="Connection: close\r\n\r\n"
 # answered STATUS: the answer begins so.
-answered() { head -n 1 answer | grep -q "^HTTP/1.1 $1 " || fail "expected $1: $(head -c 300 answer)"; }
+answered() { head -n 1 answer | grep -q "^HTTP/1.[01] $1 " || fail "expected $1: $(head -c 300 answer)"; }
 
 # The page's files, whole and of their kind; nothing beside them.
 for file in "$source"/protocol/web/*; do
@@ -56,17 +57,30 @@ answered 200
 ask "GET / HTTP/1.1\r\nHost: [::1]:$port\r\n$end"
 answered 200
 
-# A page of another site, whose name may have been made to lead here.
-for site in evil.example "evil.example:$port" 127.0.0.1.evil.example localhost.evil.example; do
+# A page of another site, whose name may have been made to lead here. Only this machine can connect to this listener, by the
+# names above, so that the machine's own name is none of them.
+own=$(uname -n)
+[ "$own" != localhost ] || fail 'this test needs a machine with a name'
+for site in evil.example "evil.example:$port" 127.0.0.1.evil.example localhost.evil.example "$own:$port"; do
     ask "GET / HTTP/1.1\r\nHost: $site\r\n$end"
     answered 403
+    grep -q "turned away: it asks for the host '$site', which is no name of this listener$" daemon.err || fail "nothing is said of $site"
 done
+for request in "GET / HTTP/1.1\r\n$end" "GET / HTTP/1.0\r\n\r\n"; do
+    ask "$request"
+    answered 403
+done
+[ "$(grep -c 'turned away: its request has no Host header$' daemon.err)" = 2 ] || fail "nothing is said of what is missing: $(cat daemon.err)"
+long=$(printf '%300s' '' | tr ' ' a)
+ask "GET / HTTP/1.1\r\nHost: $long\r\n$end"
+answered 403
+grep -q 'turned away: its Host or Origin header has 256 bytes or more$' daemon.err || fail "nothing is said of a long name: $(cat daemon.err)"
 key="Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: fovea\r\n\r\n"
 for origin in http://evil.example "https://127.0.0.1:$port" "http://127.0.0.1:$((port + 1))" null "http://127.0.0.1:$port.evil.example"; do
     ask "GET / HTTP/1.1\r\n${host}Origin: $origin\r\n$key"
     ! head -n 1 answer | grep -q ' 101 ' || fail "a page of $origin comes in"
+    grep -q "turned away: it asks as a page of another site does, '$origin'$" daemon.err || fail "nothing is said of $origin: $(cat daemon.err)"
 done
-grep -q 'turned away: it asks as a page of another site does$' daemon.err || fail "nothing is said of it: $(cat daemon.err)"
 
 # Messages: a masked frame of 0 makes the mask of no effect. Text, nonsense, and a message before Hello.
 for case in 'text:\x81\x82\0\0\0\0hi' 'not a message:\x82\x82\0\0\0\0\x3a\5' 'did not say hello first:\x82\x84\0\0\0\0\x3a\2\x8\5' 'no known body:\x82\x83\0\0\0\0\xf8\3\1'; do
@@ -126,6 +140,57 @@ sleep 0.3
 stop
 exec 3>&-
 ! grep -v '^fovead: \(client \([0-9]* \)\?(.*) \(dropped\|turned away\)\|libwebsockets\): ' daemon.err || fail 'other lines'
+
+# Where other machines can connect, this machine is asked for by its addresses and its own names, and by no others.
+FOVEAD_TOKEN=sesame-opens start --scene room.obj --size 256x128 --gaze synthetic:1 --listen "http:0.0.0.0:$port" --listen "unix:$place/fovead.sock"
+grep -q "^page     http://$own:$port/#token=TOKEN " daemon.out || fail "no address of the page: $(cat daemon.out)"
+for name in 127.0.0.1 192.0.2.7 "[2001:db8::7]" localhost "$own" "${own%%.*}" "${own%%.*}.local" "$(echo "${own%%.*}" | tr a-z A-Z).LOCAL"; do
+    ask "GET / HTTP/1.1\r\nHost: $name:$port\r\n$end"
+    answered 200
+done
+for name in evil.example "$own.evil.example" "evil.$own" "${own%%.*}.localx" "${own%?}" "evil.${own%%.*}.local" local .local; do
+    ask "GET / HTTP/1.1\r\nHost: $name:$port\r\n$end"
+    answered 403
+done
+
+# Who has loaded the page keeps connections for some seconds. These are no clients, however many there are: a client comes in.
+load() {
+    for i in $(seq "$1"); do
+        exec {place_of}<>"/dev/tcp/127.0.0.1/$port" || fail "connection $i is refused"
+        printf "GET / HTTP/1.1\r\n$host\r\n" >&"$place_of"
+        while IFS= read -r line <&"$place_of" && [ "$line" != $'\r' ]; do echo "$line"; done >answer
+        answered 200
+        open="$open $place_of"
+    done
+}
+# welcomed: a browser's client that has the token is welcome.
+welcomed() {
+    exec 3<>"/dev/tcp/127.0.0.1/$port" || fail 'no connection'
+    printf "GET / HTTP/1.1\r\n${host}Origin: http://127.0.0.1:$port\r\n$key"'\x82\x92\0\0\0\0\x0a\x10\x8\1\x3a\xcsesame-opens' >&3
+    part=
+    until case $part in *'fovead '[0-9]) true ;; *) false ;; esac; do
+        LC_ALL=C IFS= read -r -d '' -n 1 byte <&3 || fail "not welcome: $part"
+        part=$part$byte
+    done
+    exec 3>&-
+}
+open=
+load 100
+welcomed
+# WebSockets that say nothing are strangers, and the rest of the room is for others.
+is_crowded() {
+    for i in $(seq 20); do
+        exec {place_of}<>"/dev/tcp/127.0.0.1/$port" || fail "connection $i is refused"
+        printf "GET / HTTP/1.1\r\n${host}Origin: http://127.0.0.1:$port\r\n$key" >&"$place_of"
+        open="$open $place_of"
+    done
+    grep -q 'turned away: 16 clients are connected that have shown no token' daemon.err
+}
+await 'strangers to be turned away' is_crowded
+"$foveactl" stats --json >stats.json || fail 'no room for a client of another listener'
+for place_of in $open; do exec {place_of}>&-; done
+await 'all of them to be gone' are_gone
+stop
 
 # Browsers alone connect there; a token is asked for where others could come.
 refused 'browsers connect there' "$foveactl" --connect "http:127.0.0.1:$port" stats
