@@ -21,6 +21,7 @@
 #include "save.h"
 #include "streams.h"
 #include "trackers.h"
+#include "transport/tls.h"
 
 /* How long a batch takes. A new gaze waits for it, but shorter batches trace fewer paths per second. Without
  * gaze or clients longer ones serve. */
@@ -59,6 +60,7 @@ struct daemon {
     struct dmn_picture picture;
     struct dmn_listener listener[DMN_MAX_LISTEN];
     int listeners;
+    struct dmn_tls *tls; /* NULL: no listener speaks it */
     struct dmn_loop *loop;
     struct dmn_bar bar;
     struct dmn_told told;
@@ -97,6 +99,8 @@ static bool load(struct daemon *daemon)
             sched_getaffinity(0, sizeof(processors), &processors) ? 1 : CPU_COUNT(&processors);
     /* Check now, not after a night of rendering. */
     if (options->save && !dmn_file_check(options->save, true, error)) return fail(error);
+    if (options->tls_key && !(daemon->tls = dmn_tls_load(options->tls_certificate, options->tls_key, error)))
+        return fail(error);
     handles->options = options;
     /* Starting this program takes a while, so it comes first. It runs until the film is saved. */
     options->scene.image_program = rnd_image_program_create();
@@ -129,6 +133,7 @@ static bool open_sockets(struct daemon *daemon)
 
         if (!dmn_listener_init(&daemon->listener[i], &daemon->options.listen[i], token, error))
             return fail(error);
+        daemon->listener[i].is_tls = daemon->tls && daemon->listener[i].address.is_http;
     }
     return true;
 }
@@ -136,16 +141,19 @@ static bool open_sockets(struct daemon *daemon)
 /* Print the address that a listener listens on, and for browsers the address of the page. */
 static void print_listener(const struct daemon *daemon, const struct dmn_listener *listener)
 {
-    const char *host = listener->address.host;
+    const char *host = listener->address.host, *tls = listener->is_tls ? "s" : "";
     char address[PRO_ERROR_SIZE], own[256] = "";
     const bool is_any = !host[strspn(host, "0.:")]; /* as 0.0.0.0 and ::, all addresses of this machine */
 
     pro_address_print(&listener->address, address, sizeof(address));
-    dmn_print(daemon->out, "listens  %s\n", address);
-    if (!listener->address.is_http) return;
+    if (!listener->address.is_http) {
+        dmn_print(daemon->out, "listens  %s\n", address);
+        return;
+    }
+    dmn_print(daemon->out, "listens  http%s%s\n", tls, address + strlen("http"));
     if (is_any && !gethostname(own, sizeof(own) - 1) && *own)
         snprintf(address, sizeof(address), "http:%s:%u", own, listener->address.port);
-    dmn_print(daemon->out, "page     http://%s/%s\n", address + strlen("http:"),
+    dmn_print(daemon->out, "page     http%s://%s/%s\n", tls, address + strlen("http:"),
               listener->token ? "#token=TOKEN (put the value of FOVEAD_TOKEN for TOKEN)" : "");
 }
 
@@ -205,6 +213,7 @@ static bool start(struct daemon *daemon)
         .signal_fd = signal_fd,
         .listener = daemon->listener,
         .listeners = daemon->listeners,
+        .tls = daemon->tls,
         .tick = on_tick,
         .context = daemon,
     };
@@ -322,6 +331,7 @@ int main(int argc, char **argv)
     stop(&daemon, &work);
     if (good) good = finish(&daemon, &work);
     dmn_edits_destroy(daemon.handles.edits);
+    dmn_tls_destroy(daemon.tls);
     dmn_painter_destroy(daemon.handles.painter);
     dmn_gaze_close(daemon.handles.gaze);
     dmn_picture_finish(&daemon.picture);

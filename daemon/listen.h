@@ -12,6 +12,7 @@ struct dmn_listener {
     int fd;   /* non-blocking */
     int lock; /* of a Unix socket: the file beside it, which is locked while it is listened on; else -1 */
     const char *token; /* that clients must know; NULL: they need none */
+    bool is_tls;       /* clients must speak TLS; dmn_listener_init() sets it to false */
     dev_t device;      /* of a Unix socket, so that no other one is removed */
     ino_t inode;
 };

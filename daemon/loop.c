@@ -14,6 +14,7 @@
 #include "transport/connection.h"
 #include "transport/room.h"
 #include "transport/table.h"
+#include "transport/tls.h"
 
 enum {
     ACCEPTED = 16, /* connections at most before other sockets have their turn */
@@ -209,7 +210,10 @@ static bool open_vhosts(struct dmn_loop *loop, struct lws_context_creation_info 
 
         own.vhost_name = dmn_transports[i]->name;
         own.protocols = dmn_transports[i]->protocols;
-        if (dmn_transports[i]->is_http) own.port = CONTEXT_PORT_NO_LISTEN_SERVER;
+        if (dmn_transports[i]->is_http) {
+            own.port = CONTEXT_PORT_NO_LISTEN_SERVER;
+            if (loop->options.tls) dmn_tls_ask(loop->options.tls, &own);
+        }
         if (!(loop->clients_of[i] = lws_create_vhost(loop->context, &own))) return false;
     }
     info->vhost_name = "files";
@@ -236,6 +240,7 @@ static bool open_context(struct dmn_loop *loop)
     };
     int fd;
 
+    if (loop->options.tls) dmn_tls_prepare(loop->options.tls, &info);
     lws_set_log_level(LLL_ERR, on_log);
     if (!(loop->context = lws_create_context(&info)) || !open_vhosts(loop, &info)) return false;
     /* libwebsockets closes every descriptor that it adopts. */

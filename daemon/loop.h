@@ -7,6 +7,7 @@
 #include "picture.h"
 
 struct dmn_loop;
+struct dmn_tls; /* transport/tls.h */
 
 struct dmn_loop_options {
     const struct dmn_handles *handles;
@@ -14,12 +15,13 @@ struct dmn_loop_options {
     int signal_fd; /* an eventfd: readable when the loop should end; owned by the caller */
     struct dmn_listener *listener;
     int listeners;
+    const struct dmn_tls *tls; /* for the listeners that speak it; NULL: none does */
     /* Four times a second. */
     void (*tick)(void *context);
     void *context;
 };
 
-/* The caller keeps the listeners. NULL with a line in out_error on failure. */
+/* The caller keeps the listeners and the TLS. NULL with a line in out_error on failure. */
 struct dmn_loop *dmn_loop_create(const struct dmn_loop_options *options, char out_error[PRO_ERROR_SIZE]);
 void dmn_loop_destroy(struct dmn_loop *loop); /* drops all clients; accepts NULL */
 

@@ -89,6 +89,11 @@ static bool take_listen(const struct dmn_option *option, const char *text, void 
     struct dmn_options *out = values;
 
     (void)option;
+    if (text && !strncmp(text, "https:", strlen("https:"))) {
+        snprintf(out_error, DMN_OPTION_ERROR_SIZE, "%.200s: give it as http:%.200s, and --tls CERT,KEY", text,
+                 text + strlen("https:"));
+        return false;
+    }
     if (out->listens == DMN_MAX_LISTEN) {
         snprintf(out_error, DMN_OPTION_ERROR_SIZE, "%d addresses at most", DMN_MAX_LISTEN);
         return false;
@@ -96,6 +101,20 @@ static bool take_listen(const struct dmn_option *option, const char *text, void 
     return pro_address_parse(text, &out->listen[out->listens], out_error) && ++out->listens;
 }
 _Static_assert((int)DMN_OPTION_ERROR_SIZE >= (int)PRO_ERROR_SIZE, "an address's error has no room");
+
+static bool take_tls(const struct dmn_option *option, const char *text, void *values, char *out_error)
+{
+    struct dmn_options *out = values;
+    const char *comma = strchr(text, ',');
+
+    (void)option, (void)out_error;
+    if (!comma || comma == text || !comma[1] || strchr(comma + 1, ',') ||
+        (size_t)(comma - text) >= sizeof(out->tls_certificate))
+        return false;
+    snprintf(out->tls_certificate, sizeof(out->tls_certificate), "%.*s", (int)(comma - text), text);
+    out->tls_key = comma + 1;
+    return true;
+}
 
 static bool take_until(const struct dmn_option *option, const char *text, void *values, char *out_error)
 {
@@ -191,6 +210,15 @@ static bool gaze_follows_eye(const void *values)
     const struct trk_source_kind *kind = kind_of(values);
 
     return kind && kind->follows_eye;
+}
+
+static bool listens_for_browsers(const void *values)
+{
+    const struct dmn_options *options = values;
+
+    for (int i = 0; i < options->listens; i++)
+        if (options->listen[i].is_http) return true;
+    return false;
 }
 
 static bool clock_is_real(const void *values)
@@ -366,6 +394,14 @@ static const struct dmn_option ROWS[] = {
          "clients on TCP must send the same token; without, addresses that other machines can reach are "
          "refused",
      .take = take_listen},
+    {.name = "tls",
+     .argument = "CERT,KEY",
+     .help =
+         "speak TLS on http: listeners, which are then opened as https:, and need this for WebXR in a "
+         "headset on the network; PEM files of a certificate and its key. tcp: listeners stay without TLS",
+     .take = take_tls,
+     .wants = "two PEM files, CERT,KEY, with one comma",
+     .need = {{"--listen http:HOST:PORT", listens_for_browsers}}},
 
     {.help = "How it ends"},
     {.name = "until",

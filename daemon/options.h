@@ -26,6 +26,8 @@ struct dmn_options {
     bool virtual_clock;
     struct pro_address listen[DMN_MAX_LISTEN];
     int listens;
+    char tls_certificate[4096]; /* paths of PEM files for listeners for browsers */
+    const char *tls_key;        /* NULL: they speak no TLS */
     struct dmn_until until;
     const char *save; /* NULL: not saved */
     bool json;

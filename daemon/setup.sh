@@ -9,15 +9,15 @@ die() { printf 'setup: %s\n' "$*" >&2; exit 1; }
 
 case ${1:-} in
 '') tests= ;;
-tests) tests="busybox-static cpio gnuplot-nox libcmocka-dev libumockdev-dev protobuf-compiler python3-protobuf python3-zstandard
+tests) tests="busybox-static cpio gnuplot-nox libcmocka-dev libumockdev-dev openssl protobuf-compiler python3-protobuf python3-zstandard
         qemu-system-x86 umockdev xz-utils"
     # The page is tested where npm is there, whose packages would be too many for that alone.
     ! command -v npm >/dev/null || tests="$tests chromium" ;;
 *) die "usage: sh daemon/setup.sh [tests]" ;;
 esac
 packages="gcc g++ cmake ninja-build pkg-config protobuf-c-compiler libassimp-dev libcglm-dev libembree-dev libhidapi-dev
-    libjansson-dev libjpeg62-turbo-dev libopenimageio-dev libprotobuf-c-dev libusb-1.0-0-dev libwebsockets-dev
-    libzstd-dev zlib1g-dev $tests"
+    libjansson-dev libjpeg62-turbo-dev libopenimageio-dev libprotobuf-c-dev libssl-dev libusb-1.0-0-dev
+    libwebsockets-dev libzstd-dev zlib1g-dev $tests"
 
 command -v dpkg-query >/dev/null || die "there is no dpkg here: install by hand what these Debian packages hold:" $packages
 missing=

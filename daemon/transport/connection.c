@@ -25,7 +25,8 @@ void dmn_connection_open(struct dmn_connection **list, const struct dmn_arrival 
     const struct dmn_transport *transport = arrival->transport;
     struct dmn_connection *connection = calloc(1, sizeof(*connection));
     lws_adopt_desc_t adopt = {.vh = arrival->vhost,
-                              .type = transport->adoption,
+                              .type =
+                                  transport->adoption | (arrival->listener->is_tls ? LWS_ADOPT_ALLOW_SSL : 0),
                               .vh_prot_name = transport->protocols[0].name,
                               .opaque = connection};
 
@@ -42,8 +43,8 @@ void dmn_connection_open(struct dmn_connection **list, const struct dmn_arrival 
      */
     connection->wsi = lws_adopt_descriptor_vhost_via_info(&adopt);
     if (!connection->wsi) {
-        dmn_print(stderr, "fovead: client %u (%s) turned away: it cannot be served\n", options->number,
-                  arrival->peer.name);
+        dmn_print(stderr, "fovead: client %u (%s) turned away: %s\n", options->number, arrival->peer.name,
+                  arrival->listener->is_tls ? "it does not speak TLS" : "it cannot be served");
         destroy(connection);
         return;
     }

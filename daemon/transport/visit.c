@@ -49,9 +49,9 @@ bool dmn_visit_host_is_good(const char *host, const struct dmn_listener *listene
            (listener->token && !pro_address_is_local(&listener->address) && is_own_name(name));
 }
 
-bool dmn_visit_origin_is_good(const char *origin, const char *host)
+bool dmn_visit_origin_is_good(const char *origin, const char *host, const struct dmn_listener *listener)
 {
-    static const char scheme[] = "http://";
+    const char *scheme = listener->is_tls ? "https://" : "http://";
     const size_t length = strlen(scheme);
 
     return !*origin || (!strncmp(origin, scheme, length) && !strcasecmp(origin + length, host));

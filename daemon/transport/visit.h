@@ -21,9 +21,10 @@ extern const size_t dmn_page_count;
  *   first dot, and that part with ".local" behind it (multicast DNS). Who can make these resolve to another
  *   machine is in this network, and has no token, which clients need there. */
 bool dmn_visit_host_is_good(const char *host, const struct dmn_listener *listener);
-/* Does the Origin header say that the page was served here? It is then "http://" and the Host header. An empty origin is accepted: browsers always send one with a WebSocket, and other
+/* Does the Origin header say that the page was served here? It is then "http://", or "https://" where TLS is
+ * spoken, and the Host header. An empty origin is accepted: browsers always send one with a WebSocket, and other
  * programs need none. */
-bool dmn_visit_origin_is_good(const char *origin, const char *host);
+bool dmn_visit_origin_is_good(const char *origin, const char *host, const struct dmn_listener *listener);
 
 /* The file at a path, or NULL. */
 const struct dmn_page_file *dmn_visit_file(const char *path);

@@ -5,6 +5,7 @@
 
 #include "print.h"
 #include "transport/room.h"
+#include "transport/tls.h"
 #include "transport/visit.h"
 #include "transport/web.h"
 
@@ -41,7 +42,7 @@ static bool is_welcome(struct lws *wsi, const struct dmn_connection *connection,
     } else if (!dmn_visit_host_is_good(host, connection->listener)) {
         snprintf(why, sizeof(why), "it asks for the host '%s', which is no name of this listener", host);
         *out_answer = "fovead does not know this name of its machine: use the numeric address instead.\n";
-    } else if (!dmn_visit_origin_is_good(origin, host)) {
+    } else if (!dmn_visit_origin_is_good(origin, host, connection->listener)) {
         snprintf(why, sizeof(why), "it asks as a page of another site does, '%s'", origin);
     } else {
         return true;
@@ -245,6 +246,8 @@ static int on_visit(struct lws *wsi, enum lws_callback_reasons reason, void *use
 
     (void)size;
     switch (reason) {
+    case LWS_CALLBACK_OPENSSL_LOAD_EXTRA_SERVER_VERIFY_CERTS:
+        return dmn_tls_use(user, in) ? 0 : -1;
     case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:
         return -1; /* a WebSocket that does not ask for the protocol "fovea" */
     case LWS_CALLBACK_HTTP:

@@ -15,7 +15,10 @@ foreach(name access attention bad_input client compare disk files hostile librar
   add_test(NAME e2e_${name} COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/e2e/${name}.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
   set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" SKIP_RETURN_CODE 77)
 endforeach()
-add_test(NAME e2e_web COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/e2e/web.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
+foreach(name tls web)
+  add_test(NAME e2e_${name} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/e2e/${name}.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
+  set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" SKIP_RETURN_CODE 77)
+endforeach()
 # Tests with clients and threads at once, which the thread sanitizer runs too.
 set_tests_properties(e2e_attention e2e_hostile e2e_move e2e_record e2e_shutdown e2e_steer e2e_virtual e2e_web PROPERTIES LABELS "e2e;threads")
 

@@ -3,6 +3,7 @@
 # a request are those of the page. Over WebSocket they serve clients: a client that sends nonsense is dropped with a line that
 # says why, and an honest client goes on.
 . "$(dirname "$0")/common.sh"
+trap '' PIPE # a write to a connection that fovead has closed fails, and no more
 make_room
 port=$("$programs/e2e_port")
 start --scene room.obj --size 512x256 --gaze synthetic:1 --listen "http:127.0.0.1:$port" --listen "unix:$place/fovead.sock"

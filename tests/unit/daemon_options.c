@@ -104,7 +104,7 @@ static void everything_said(void **state)
         "--mode vp "
         "--fov 90,80 --size 1024x512 --threads 3 --seed 18446744073709551615 --bounces 7 --clamp 2.5 "
         "--clear-glass --listen unix:/a/b "
-        "--listen tcp:127.0.0.1:9 --json --watch",
+        "--listen tcp:127.0.0.1:9 --listen http:127.0.0.1:10 --tls a/c.pem,k.pem --json --watch",
         &o);
     assert_true(o.watch);
     assert_string_equal(o.scene.env_path, "e.hdr");
@@ -119,8 +119,10 @@ static void everything_said(void **state)
     assert_int_equal(o.render.max_bounces, 7);
     assert_float_equal(o.render.firefly, 2.5, 0);
     assert_true(o.scene.clear_glass);
-    assert_int_equal(o.listens, 2);
+    assert_int_equal(o.listens, 3);
     assert_int_equal(o.listen[1].port, 9);
+    assert_string_equal(o.tls_certificate, "a/c.pem");
+    assert_string_equal(o.tls_key, "k.pem");
     finish(&o);
 }
 
@@ -272,6 +274,13 @@ static const char *const REFUSED[] = {
     "--scene a --planes Albedo",
     "--scene a --planes albed",
     "--scene a --listen tcp:localhost",
+    "--scene a --listen https:localhost:1 --tls c,k",
+    "--scene a --tls c,k",
+    "--scene a --listen tcp:localhost:1 --tls c,k",
+    "--scene a --listen http:localhost:1 --tls c",
+    "--scene a --listen http:localhost:1 --tls c,",
+    "--scene a --listen http:localhost:1 --tls ,k",
+    "--scene a --listen http:localhost:1 --tls c,k,d",
     "--scene a --json=1",
     "--scene a --screen 1,2",
     "--scene a --screen 1,2,0",
