@@ -59,6 +59,7 @@ struct dmn_client {
 
     Fovea__Encoding encoding;
     uint32_t window; /* tiles that may be under way unacknowledged */
+    int finest;      /* level that the client can hold */
     bool wants_gaze, wants_stats, welcome_due, stats_due;
     uint64_t gaze_cursor;
     struct dmn_answer answer[DMN_ANSWERS];

@@ -32,6 +32,7 @@ static bool greet(struct dmn_client *client, const Fovea__Hello *hello, char out
     client->encoding = hello->tiles;
     client->window = hello->window ? hello->window : WINDOW;
     if (client->window > MOST_WINDOW) client->window = MOST_WINDOW;
+    client->finest = dmn_pyramid_finest(&client->picture->pyramid, hello->widest);
     client->wants_gaze = hello->gaze;
     client->wants_stats = client->stats_due = hello->stats;
     return client->greeted = client->welcome_due = true;

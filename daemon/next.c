@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "fade.h"
 #include "next.h"
 #include "renderer.h"
 
@@ -24,9 +25,9 @@ static uint64_t enough(int level)
 }
 
 /* By what factor its paths must have grown before a tile is sent again. Noise falls with their square root,
- * and a fall of less than a fifth is not visible. A tile that has settled is sent for the last time, so
- * sooner. */
-static const double GROWTH = 1.5, SETTLED_GROWTH = 1.1;
+ * and a fall of less than a fifth is not visible. Where the eye would not see the change at all, the noise
+ * must have halved. A tile that has settled is sent for the last time, so sooner. */
+static const double GROWTH = 1.5, UNSEEN_GROWTH = 4, SETTLED_GROWTH = 1.1;
 
 /* A tile that was sent before ranks as if it were so much further from the gaze, rad. */
 static const float AGAIN = 0.035f;
@@ -40,6 +41,8 @@ struct search {
     const struct dmn_pyramid *pyramid;
     const struct dmn_tile *sent;
     const float *gaze;
+    float pixels_per_degree; /* of level 0 */
+    int finest;
     size_t count, limit;
     struct dmn_place *heap; /* worst first */
 };
@@ -84,22 +87,33 @@ static void offer(struct search *search, struct dmn_place place)
 
 /* --- the walk --- */
 
-/* Angle from the gaze to the nearest point of the circle around a tile, rad. Tiles are squares near the
- * equator and slivers near the poles. */
-static float distance(const struct search *search, int level, size_t index)
+/* Would the eye see the change of a tile's noise, if it were sent again? A level's pixels are as many times
+ * wider as their noise is less, so what the eye sees does not depend on the level. */
+static bool is_seen(const struct search *search, const struct dmn_tile *now, const struct dmn_tile *sent,
+                    float away_rad)
 {
-    const float *centre = search->pyramid->centre[index];
-    float cosine = centre[0] * search->gaze[0] + centre[1] * search->gaze[1] + centre[2] * search->gaze[2];
-    float radius = (float)(M_SQRT1_2 * M_PI) / search->pyramid->level[level].rows;
-
-    return fmaxf(0, acosf(fmaxf(-1, fminf(1, cosine))) - radius);
+    return isinf(now->error) ||
+           dmn_change(now->error, sent->samples, now->samples) >=
+               rnd_visible_error(away_rad * (float)(180 / M_PI), search->pixels_per_degree);
 }
 
-static bool has_grown(const struct dmn_tile *now, const struct dmn_tile *sent)
+static bool has_grown(const struct dmn_tile *now, const struct dmn_tile *sent, bool visible)
 {
-    return (double)now->samples >= GROWTH * (double)sent->samples ||
+    return (double)now->samples >= (visible ? GROWTH : UNSEEN_GROWTH) * (double)sent->samples ||
            (now->converged && !sent->converged && now->samples > sent->samples) ||
            (now->settled && !sent->settled && (double)now->samples >= SETTLED_GROWTH * (double)sent->samples);
+}
+
+/* Set the rank of a tile that finer ones neither hide nor could replace. False if it is not worth sending. */
+static bool rank(const struct search *search, const struct dmn_tile *now, const struct dmn_tile *sent,
+                 struct dmn_place *place)
+{
+    if (sent->samples > 0 && !has_grown(now, sent, true)) return false;
+    place->rank = dmn_pyramid_eccentricity(search->pyramid, place->level, place->index, search->gaze);
+    if (sent->samples == 0) return true;
+    if (!has_grown(now, sent, is_seen(search, now, sent, place->rank))) return false;
+    place->rank += AGAIN;
+    return true;
 }
 
 /* Of a subtree: whether the client has a picture of all of it, and whether it could have a finer one at once.
@@ -116,9 +130,9 @@ static struct shown walk(struct search *search, int level, int x, int y, bool ab
     const struct dmn_tile *now = &pyramid->tile[index], *sent = &search->sent[index];
     bool coarsest = level == pyramid->levels - 1;
     bool ready = now->samples >= (coarsest ? 1 : enough(level)), has = sent->samples > 0;
-    struct shown finer = {level > 0, level > 0};
+    struct shown finer = {level > search->finest, level > search->finest};
 
-    for (int child = 0; level > 0 && child < 4; child++) {
+    for (int child = 0; level > search->finest && child < 4; child++) {
         int column = x, row = y;
         struct shown s;
 
@@ -135,11 +149,7 @@ static struct shown walk(struct search *search, int level, int x, int y, bool ab
             place.rank = RANK_BLACK - (float)level;
         else if (!has && tiles <= COARSE_TILES)
             place.rank = RANK_COARSE - (float)level;
-        else if (!has && !finer.soon)
-            place.rank = distance(search, level, index);
-        else if (has && !finer.soon && has_grown(now, sent))
-            place.rank = distance(search, level, index) + AGAIN;
-        else
+        else if (finer.soon || !rank(search, now, sent, &place))
             place.level = -1;
         if (place.level >= 0) offer(search, place);
     }
@@ -147,9 +157,9 @@ static struct shown walk(struct search *search, int level, int x, int y, bool ab
 }
 
 size_t dmn_next(const struct dmn_pyramid *pyramid, const struct dmn_tile *sent, const float gaze[3],
-                size_t limit, struct dmn_place *out_places)
+                int finest, size_t limit, struct dmn_place *out_places)
 {
-    struct search search = {pyramid, sent, gaze, 0, limit, out_places};
+    struct search search = {pyramid, sent, gaze, dmn_pyramid_density(pyramid), finest, 0, limit, out_places};
     int top = pyramid->levels - 1;
 
     if (!limit) return 0;
@@ -162,12 +172,13 @@ size_t dmn_next(const struct dmn_pyramid *pyramid, const struct dmn_tile *sent, 
 /* --- where the eye looks --- */
 
 bool dmn_seen_at(const struct dmn_pyramid *pyramid, const struct dmn_tile *sent, const float gaze[3],
-                 struct dmn_place *out_place)
+                 int finest, struct dmn_place *out_place)
 {
     size_t at = dmn_pyramid_at(pyramid, gaze);
-    int x = (int)at % pyramid->level[0].columns, y = (int)at / pyramid->level[0].columns;
+    int column = (int)at % pyramid->level[0].columns, row = (int)at / pyramid->level[0].columns;
 
-    for (int level = 0; level < pyramid->levels; level++, x /= 2, y /= 2) {
+    for (int level = finest; level < pyramid->levels; level++) {
+        int x = column >> level, y = row >> level;
         size_t index = dmn_pyramid_index(pyramid, level, x, y);
 
         if (!sent[index].samples) continue;

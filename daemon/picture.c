@@ -51,7 +51,8 @@ static void take_tile(struct dmn_picture *picture, size_t i)
     int columns = picture->pyramid.level[0].columns;
     struct dmn_tile now = {known->samples, known->converged,
                            rnd_tile_settled(picture->render, known, (int)i % columns, (int)i / columns,
-                                            picture->direction)},
+                                            picture->direction),
+                           known->error},
                     before = picture->pyramid.tile[i];
 
     picture->visited += (now.samples > DMN_OUTLINE_PATHS) - (before.samples > DMN_OUTLINE_PATHS);

@@ -56,13 +56,14 @@ void dmn_pyramid_finish(struct dmn_pyramid *pyramid)
 
 static bool same(const struct dmn_tile *a, const struct dmn_tile *b)
 {
-    return a->samples == b->samples && a->converged == b->converged && a->settled == b->settled;
+    return a->samples == b->samples && a->converged == b->converged && a->settled == b->settled &&
+           a->error == b->error;
 }
 
 /* The sum of the tiles that it covers one level finer. */
 static struct dmn_tile sum_of(const struct dmn_pyramid *pyramid, int level, int x, int y)
 {
-    struct dmn_tile sum = {0, true, true};
+    struct dmn_tile sum = {.converged = true, .settled = true};
 
     for (int child = 0; child < 4; child++) {
         const struct dmn_tile *in;
@@ -73,6 +74,7 @@ static struct dmn_tile sum_of(const struct dmn_pyramid *pyramid, int level, int 
         sum.samples += in->samples;
         sum.converged &= in->converged;
         sum.settled &= in->settled;
+        sum.error = fmaxf(sum.error, in->error);
     }
     return sum;
 }
@@ -105,6 +107,30 @@ void dmn_pyramid_update(struct dmn_pyramid *pyramid)
                 pyramid->tile[index] = sum_of(pyramid, l, x, y);
                 mark_parent(pyramid, l, x, y);
             }
+}
+
+float dmn_pyramid_eccentricity(const struct dmn_pyramid *pyramid, int level, size_t index,
+                               const float gaze[3])
+{
+    const float *centre = pyramid->centre[index];
+    float cosine = centre[0] * gaze[0] + centre[1] * gaze[1] + centre[2] * gaze[2];
+    float radius = (float)(M_SQRT1_2 * M_PI) / pyramid->level[level].rows;
+
+    return fmaxf(0, acosf(fmaxf(-1, fminf(1, cosine))) - radius);
+}
+
+int dmn_pyramid_finest(const struct dmn_pyramid *pyramid, uint32_t widest)
+{
+    uint32_t width = (uint32_t)(pyramid->level[0].columns * RND_TILE);
+    int level = 0;
+
+    while (widest && level < pyramid->levels - 1 && width >> level > widest) level++;
+    return level;
+}
+
+float dmn_pyramid_density(const struct dmn_pyramid *pyramid)
+{
+    return (float)(pyramid->level[0].columns * RND_TILE) / 360.0f;
 }
 
 size_t dmn_pyramid_at(const struct dmn_pyramid *pyramid, const float gaze[3])

@@ -15,6 +15,7 @@ enum {
 struct dmn_tile {
     uint64_t samples;
     bool converged, settled;
+    float error; /* of pixels of level 0, as rnd_tile has it */
 };
 
 struct dmn_level {
@@ -38,6 +39,17 @@ void dmn_pyramid_finish(struct dmn_pyramid *pyramid);
 /* Set what is known of tiles of level 0, then sum up the changed ones level by level. */
 void dmn_pyramid_set(struct dmn_pyramid *pyramid, size_t index, const struct dmn_tile *tile);
 void dmn_pyramid_update(struct dmn_pyramid *pyramid);
+
+/* Angle from the gaze to the nearest point of the circle around a tile, rad. Tiles are squares near the
+ * equator and slivers near the poles. */
+float dmn_pyramid_eccentricity(const struct dmn_pyramid *pyramid, int level, size_t index,
+                               const float gaze[3]);
+
+/* The finest level of at most so many pixels across, or the coarsest level if all are wider. widest 0: any. */
+int dmn_pyramid_finest(const struct dmn_pyramid *pyramid, uint32_t widest);
+
+/* Pixels of level 0 per degree, at the horizon. */
+float dmn_pyramid_density(const struct dmn_pyramid *pyramid);
 
 /* The tile of level 0 that the gaze falls into. */
 size_t dmn_pyramid_at(const struct dmn_pyramid *pyramid, const float gaze[3]);

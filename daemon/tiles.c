@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "fade.h"
 #include "paint.h"
 #include "tiles.h"
 
@@ -32,9 +33,10 @@ static void plan(struct dmn_client *client)
     if (picture->gaze_sequence > client->gaze_sequence) {
         /* The tile that the eye sees comes first, so that every gaze is answered. */
         client->gaze_sequence = picture->gaze_sequence;
-        client->planned = dmn_seen_at(&picture->pyramid, client->sent, picture->direction, client->plan);
+        client->planned =
+            dmn_seen_at(&picture->pyramid, client->sent, picture->direction, client->finest, client->plan);
     }
-    client->planned += dmn_next(&picture->pyramid, client->sent, picture->direction,
+    client->planned += dmn_next(&picture->pyramid, client->sent, picture->direction, client->finest,
                                 DMN_PLAN - client->planned, client->plan + client->planned);
     client->plan_version = picture->version;
 }
@@ -57,6 +59,7 @@ uint8_t *dmn_tile_pack(struct dmn_client *client, size_t *out_count)
     float rgb[RND_TILE * RND_TILE * 3];
     Fovea__Tile tile = FOVEA__TILE__INIT;
     struct rnd_tile read;
+    struct dmn_tile now;
     uint8_t *message;
 
     if (!rnd_render_read(client->handles->render, place->level, place->x, place->y, rgb, &read)) return NULL;
@@ -64,7 +67,10 @@ uint8_t *dmn_tile_pack(struct dmn_client *client, size_t *out_count)
     if (read.generation != client->generation) return NULL;
     tile.data.data = pro_encode(client->encoding, rgb, RND_TILE, &tile.data.len);
     if (!tile.data.data) return NULL;
-    client->sent[place->index] = (struct dmn_tile){read.samples, known->converged, known->settled};
+    now = (struct dmn_tile){read.samples, known->converged, known->settled, read.error};
+    tile.fade_ms = dmn_fade_of(&client->picture->pyramid, client->sent, client->picture->direction,
+                               place->level, place->x, place->y, &now);
+    client->sent[place->index] = now;
     tile.serial = ++client->serial;
     tile.generation = client->generation;
     tile.level = (uint32_t)place->level;

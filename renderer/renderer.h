@@ -242,6 +242,10 @@ uint32_t rnd_render_published(struct rnd_render *render, struct rnd_tile *tiles,
  * / p in an octave around f cycles per degree at p pixels per degree; it is visible where that times 64
  * exp(-0.106 f (e + 2.3) / 2.3) exceeds 1/2. */
 float rnd_visible_error(float eccentricity_deg, float pixels_per_degree);
+/* The same of a change that comes at once: the relative standard deviation of the change of a tile's pixels
+ * that is half of the threshold for flicker of 5 Hz at 30 cd/m2. Contrast sensitivity as in FovVideoVDP
+ * (Mantiuk et al. 2021). */
+float rnd_visible_flicker(float eccentricity_deg, float pixels_per_degree);
 bool rnd_tile_settled(const struct rnd_render *render, const struct rnd_tile *tile, int x, int y,
                       const float gaze[3]);
 

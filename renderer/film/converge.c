@@ -173,6 +173,20 @@ float rnd_visible_error(float eccentricity_deg, float pixels_per_degree)
     return 0.5f * pixels_per_degree / (64.0f * sqrtf(1.5f * (float)M_PI) * f * expf(-k * f));
 }
 
+float rnd_visible_flicker(float eccentricity_deg, float pixels_per_degree)
+{
+    /* Thresholds at 20 pixels per degree, where the noise is white. Its contrast in an octave falls as the
+     * pixels get smaller. */
+    static const float TABLE[][2] = {{0.0f, 0.021f},  {5.0f, 0.035f},  {10.0f, 0.046f}, {20.0f, 0.064f},
+                                     {30.0f, 0.080f}, {40.0f, 0.095f}, {55.0f, 0.118f}};
+    enum { ROWS = sizeof TABLE / sizeof *TABLE };
+    int i = 1;
+    while (i < ROWS - 1 && TABLE[i][0] < eccentricity_deg) i++;
+    const float *from = TABLE[i - 1], *to = TABLE[i],
+                share = fminf(1.0f, (eccentricity_deg - from[0]) / (to[0] - from[0]));
+    return 0.5f * (from[1] + share * (to[1] - from[1])) * pixels_per_degree / 20.0f;
+}
+
 float rnd_tile_cosine(const struct rnd_film *film, int x, int y, const float gaze[3])
 {
     float u, v;

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""A client made from fovea.proto alone: client.py SOCKET FOLDER_OF_FOVEA_PB2. It receives tiles until it has the whole
-coarsest level and at least a hundred tiles, and checks each of them."""
+"""A client made from fovea.proto alone: client.py SOCKET FOLDER_OF_FOVEA_PB2 [WIDEST]. It receives tiles until it has the
+whole coarsest level and at least a hundred tiles, and checks each of them. No level wider than WIDEST pixels may come."""
 import socket
 import struct
 import sys
@@ -35,7 +35,8 @@ def receive():
     return message
 
 
-send(hello=fovea.Hello(version=1, client="client.py", tiles=fovea.ENCODING_HALF_ZSTD))
+widest = int(sys.argv[3]) if len(sys.argv) > 3 else 0
+send(hello=fovea.Hello(version=1, client="client.py", tiles=fovea.ENCODING_HALF_ZSTD, widest=widest))
 welcome = receive().welcome
 size = welcome.tile_size
 coarsest, tiles, serial = set(), 0, 0
@@ -49,6 +50,7 @@ while len(coarsest) < across * down or tiles < 100:
     pixels = zstandard.ZstdDecompressor().decompress(tile.data)
     values = struct.unpack("<%de" % (size * size * 3), pixels)
     assert all(value == value and abs(value) <= 65504 for value in values)
+    assert widest == 0 or welcome.width >> tile.level <= widest
     assert tile.samples > 0 and any(value > 0 for value in values)
     if tile.level == welcome.levels - 1:
         coarsest.add((tile.x, tile.y))

@@ -10,4 +10,5 @@ fi
 protoc --proto_path="$source/protocol" --python_out=. fovea.proto
 start --scene room.obj --size 1024 --gaze synthetic:5
 "$python" "$source/tests/e2e/client.py" "$place/fovead.sock" . || fail "the client in Python"
+"$python" "$source/tests/e2e/client.py" "$place/fovead.sock" . 300 || fail "the client in Python, which holds 300 pixels"
 stop

@@ -19,6 +19,7 @@ struct world {
     struct rnd_tile *tiles;
     bool *settled;
     struct dmn_tile *sent;
+    int finest; /* level that the client can hold */
     struct dmn_place places[LIMIT];
     size_t count;
 };
@@ -57,7 +58,10 @@ static void paint(struct world *world, uint64_t samples)
 {
     size_t count = (size_t)world->pyramid.level[0].columns * world->pyramid.level[0].rows;
 
-    for (size_t i = 0; i < count; i++) world->tiles[i].samples = samples;
+    for (size_t i = 0; i < count; i++) {
+        world->tiles[i].samples = samples;
+        world->tiles[i].error = INFINITY; /* not known */
+    }
 }
 
 static void update(struct world *world)
@@ -68,7 +72,7 @@ static void update(struct world *world)
         const struct rnd_tile *tile = &world->tiles[i];
 
         dmn_pyramid_set(&world->pyramid, i,
-                        &(struct dmn_tile){tile->samples, tile->converged, world->settled[i]});
+                        &(struct dmn_tile){tile->samples, tile->converged, world->settled[i], tile->error});
     }
     dmn_pyramid_update(&world->pyramid);
 }
@@ -76,7 +80,7 @@ static void update(struct world *world)
 static void choose(struct world *world, const float gaze[3], size_t limit)
 {
     update(world);
-    world->count = dmn_next(&world->pyramid, world->sent, gaze, limit, world->places);
+    world->count = dmn_next(&world->pyramid, world->sent, gaze, world->finest, limit, world->places);
     assert_true(world->count <= limit);
 }
 
@@ -225,11 +229,65 @@ static void growth_sends_again_and_nothing_else_does(void **state)
     chooses(world, 0);
 }
 
+/* Two tiles of level 0: at the gaze ahead, and far from it. */
+enum { NEAR = 15 * 64 + 32, FAR = 15 * 64 + 10 };
+
+/* What the eye sees of a change decides how soon it is worth a tile. */
+static void a_change_that_is_not_seen_waits(void **state)
+{
+    struct world *world = *state;
+
+    paint(world, 100 * ENOUGH);
+    for (size_t i = 0; i < world->pyramid.level[1].first; i++) world->tiles[i].error = 0.1f;
+    send_until_done(world, FORWARD);
+    world->tiles[NEAR].samples = world->tiles[FAR].samples = 160 * ENOUGH;
+    chooses(world, 1);
+    assert_int_equal(world->places[0].index, NEAR);
+    send_all(world);
+    /* The noise of the other has halved; or the gaze comes there. */
+    choose(world, world->pyramid.centre[FAR], LIMIT);
+    assert_int_equal(world->count, 1);
+    assert_int_equal(world->places[0].index, FAR);
+    world->tiles[FAR].samples = 400 * ENOUGH;
+    chooses(world, 1);
+    assert_int_equal(world->places[0].index, FAR);
+}
+
+/* A client that cannot hold the finest levels gets all that it can hold, and its gaze is answered. */
+static void no_tile_is_finer_than_the_client_holds(void **state)
+{
+    struct world *world = *state;
+    struct dmn_place place;
+
+    for (world->finest = 0; world->finest < LEVELS; world->finest++) {
+        memset(world->sent, 0, world->pyramid.count * sizeof(*world->sent));
+        paint(world, 2 * ENOUGH);
+        assert_false(dmn_seen_at(&world->pyramid, world->sent, FORWARD, world->finest, &place));
+        send_until_done(world, FORWARD);
+        assert_true(covered(world, world->finest));
+        for (size_t i = 0; i < world->pyramid.level[world->finest].first; i++)
+            assert_int_equal(world->sent[i].samples, 0);
+        /* Its finest tiles are sent again as they grow. */
+        paint(world, 20 * ENOUGH);
+        update(world);
+        assert_true(dmn_seen_at(&world->pyramid, world->sent, FORWARD, world->finest, &place));
+        assert_int_equal(place.level, world->finest);
+        chooses(world, (uint32_t)((64 >> world->finest) * (32 >> world->finest)));
+    }
+    assert_int_equal(dmn_pyramid_finest(&world->pyramid, 0), 0);
+    assert_int_equal(dmn_pyramid_finest(&world->pyramid, UINT32_MAX), 0);
+    assert_int_equal(dmn_pyramid_finest(&world->pyramid, WIDTH), 0);
+    assert_int_equal(dmn_pyramid_finest(&world->pyramid, WIDTH - 1), 1);
+    assert_int_equal(dmn_pyramid_finest(&world->pyramid, WIDTH / 8), 3);
+    assert_int_equal(dmn_pyramid_finest(&world->pyramid, 1), LEVELS - 1);
+}
+
 static void a_settled_tile_is_sent_once(void **state)
 {
     struct world *world = *state;
 
     paint(world, 100 * ENOUGH);
+    for (size_t i = 0; i < world->pyramid.level[1].first; i++) world->tiles[i].error = 0;
     send_until_done(world, FORWARD);
     /* The gaze comes and goes, and with it the mark: that alone is no news. */
     world->settled[3] = true;
@@ -276,6 +334,7 @@ static void sums_of_what_changed(void **state)
 
             world->tiles[at].samples = (uint64_t)(rand() % 3) * ENOUGH;
             world->tiles[at].converged = rand() % 4 > 0;
+            world->tiles[at].error = (float)(rand() % 10);
             world->settled[at] = rand() % 4 > 0;
         }
         update(world);
@@ -284,18 +343,20 @@ static void sums_of_what_changed(void **state)
                 for (int x = 0; x < pyramid->level[l].columns; x++) {
                     const struct dmn_tile *sum =
                         &pyramid->tile[pyramid->level[l].first + (size_t)(y * pyramid->level[l].columns + x)];
-                    struct dmn_tile want = {0, true, true};
+                    struct dmn_tile want = {.converged = true, .settled = true};
 
                     for (int r = y << l; r < (y + 1) << l && r < rows; r++)
                         for (int c = x << l; c < (x + 1) << l && c < columns; c++) {
                             want.samples += world->tiles[r * columns + c].samples;
                             want.converged &= world->tiles[r * columns + c].converged;
                             want.settled &= world->settled[r * columns + c];
+                            want.error = fmaxf(want.error, world->tiles[r * columns + c].error);
                         }
                     if (l > 0 && want.samples == 0 && sum->samples == 0) continue; /* may not have been set */
                     assert_int_equal(sum->samples, want.samples);
                     assert_int_equal(sum->converged, want.converged);
                     assert_int_equal(sum->settled, want.settled);
+                    assert_true(sum->error == want.error);
                 }
     }
     teardown((void **)&world);
@@ -370,14 +431,14 @@ static void what_the_eye_sees_is_the_finest_that_was_sent(void **state)
     /* A client that has nothing sees nothing. */
     paint(world, DMN_OUTLINE_PATHS);
     update(world);
-    assert_false(dmn_seen_at(&world->pyramid, world->sent, FORWARD, &place));
+    assert_false(dmn_seen_at(&world->pyramid, world->sent, FORWARD, world->finest, &place));
 
     /* It is sent the coarse levels: their finest is seen, and has nothing new until there are more paths. */
     send_until_done(world, FORWARD);
-    assert_false(dmn_seen_at(&world->pyramid, world->sent, FORWARD, &place));
+    assert_false(dmn_seen_at(&world->pyramid, world->sent, FORWARD, world->finest, &place));
     world->tiles[fine].samples++;
     update(world);
-    assert_true(dmn_seen_at(&world->pyramid, world->sent, FORWARD, &place));
+    assert_true(dmn_seen_at(&world->pyramid, world->sent, FORWARD, world->finest, &place));
     assert_int_equal(place.level, 4);
     coarse = world->pyramid.level[4].first + (fine / columns >> 4) * (columns >> 4) + (fine % columns >> 4);
     assert_int_equal(place.index, coarse);
@@ -388,7 +449,7 @@ static void what_the_eye_sees_is_the_finest_that_was_sent(void **state)
     send_until_done(world, FORWARD);
     world->tiles[fine].samples++;
     chooses(world, 0);
-    assert_true(dmn_seen_at(&world->pyramid, world->sent, FORWARD, &place));
+    assert_true(dmn_seen_at(&world->pyramid, world->sent, FORWARD, world->finest, &place));
     assert_int_equal(place.level, 0);
     assert_int_equal(place.index, fine);
 }
@@ -403,6 +464,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(the_best_few_are_the_head_of_all, setup, teardown),
         cmocka_unit_test_setup_teardown(a_sparse_tile_is_sent_coarser, setup, teardown),
         cmocka_unit_test_setup_teardown(growth_sends_again_and_nothing_else_does, setup, teardown),
+        cmocka_unit_test_setup_teardown(a_change_that_is_not_seen_waits, setup, teardown),
+        cmocka_unit_test_setup_teardown(no_tile_is_finer_than_the_client_holds, setup, teardown),
         cmocka_unit_test_setup_teardown(a_settled_tile_is_sent_once, setup, teardown),
         cmocka_unit_test_setup_teardown(a_new_tile_goes_before_a_known_one, setup, teardown),
         cmocka_unit_test(sums_of_what_changed),

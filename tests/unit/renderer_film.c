@@ -280,6 +280,22 @@ static void visible_error(void **state)
     assert_float_equal(rnd_visible_error(0, 5), expected, 1e-5);
 }
 
+/* METHODS: by the same model of the eye, noise that flickers at 5 Hz must be 2.1 to 2.2 times smaller than noise
+ * that stands still, whose thresholds at 20 pixels per degree are these. */
+static void visible_flicker(void **state)
+{
+    (void)state;
+    static const float standing[][2] = {{0, .046f},  {5, .077f},  {10, .102f}, {20, .142f},
+                                        {30, .175f}, {40, .205f}, {55, .245f}};
+    for (size_t i = 0; i < sizeof standing / sizeof *standing; i++) {
+        const float ratio = standing[i][1] / (2.0f * rnd_visible_flicker(standing[i][0], 20));
+        assert_true(ratio > 2.05f && ratio < 2.25f);
+    }
+    assert_float_equal(rnd_visible_flicker(15, 20), 0.5f * .055f, 1e-6); /* between two rows */
+    assert_float_equal(rnd_visible_flicker(10, 5), 0.25f * rnd_visible_flicker(10, 20), 1e-7);
+    assert_true(rnd_visible_flicker(180, 20) == rnd_visible_flicker(55, 20));
+}
+
 static void settled(void **state)
 {
     (void)state;
@@ -361,8 +377,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(levels),         cmocka_unit_test(empty_tiles),   cmocka_unit_test(sizes),
         cmocka_unit_test(coarsest_level), cmocka_unit_test(outline),       cmocka_unit_test(converged),
-        cmocka_unit_test(error_is_true),  cmocka_unit_test(visible_error), cmocka_unit_test(settled),
-        cmocka_unit_test(save),
+        cmocka_unit_test(error_is_true),  cmocka_unit_test(visible_error), cmocka_unit_test(visible_flicker),
+        cmocka_unit_test(settled),        cmocka_unit_test(save),
     };
     return cmocka_run_group_tests_name("renderer_film", tests, setup, teardown);
 }
