@@ -172,6 +172,47 @@ double pro_picture_coverage(const struct pro_picture *picture);
  * seam. Where no tile has come, it is 0. */
 void pro_picture_resolve(const struct pro_picture *picture, float *out_rgb);
 
+/* --- viewers: tev and HDRView --- */
+
+/* What is sent to a viewer that takes pictures by tev's protocol: packets, one after the other. A viewer
+ * only reads. Each function returns a malloc'ed packet of *out_count bytes, which the caller frees; NULL if
+ * memory is short, or if the packet would be 4 GiB or longer. Texts are UTF-8. */
+enum { PRO_TEV_PORT = 14158 }; /* where viewers listen, on this machine */
+
+struct pro_tev_image {
+    const char *name; /* by which the viewer knows the picture */
+    int width, height, channels;
+    const char *const *channel; /* their names; R, G and B are shown as colour */
+};
+
+/* Open a picture, which is 0 everywhere, and show it. It takes the place of a picture of that name. */
+uint8_t *pro_tev_create(const struct pro_tev_image *image, size_t *out_count);
+
+/* A part of a picture: width x height pixels from (x, y) on, the channels of a pixel side by side. A viewer
+ * ignores a part that is not wholly inside the picture. */
+struct pro_tev_part {
+    int x, y, width, height;
+    const float *values;
+};
+uint8_t *pro_tev_update(const struct pro_tev_image *image, const struct pro_tev_part *part,
+                        size_t *out_count);
+
+/* Lines over a picture, in place of those that are there. Lines are 3 pixels of the screen wide. Their
+ * points are pixels of the picture, from its top left corner on. */
+enum pro_tev_pen {
+    PRO_TEV_COLOUR = 4,   /* red, green, blue, alpha */
+    PRO_TEV_STROKE = 5,   /* draw the path */
+    PRO_TEV_BEGIN = 6,    /* a path */
+    PRO_TEV_MOVE_TO = 10, /* x, y */
+    PRO_TEV_LINE_TO = 11, /* x, y */
+};
+struct pro_tev_command {
+    enum pro_tev_pen pen;
+    float argument[4];
+};
+uint8_t *pro_tev_draw(const struct pro_tev_image *image, const struct pro_tev_command *command, int count,
+                      size_t *out_count);
+
 PROTOBUF_C__END_DECLS
 
 #endif
