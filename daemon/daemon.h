@@ -7,6 +7,7 @@
  * - With the real clock one thread reads the gaze source (gaze.c). With the virtual clock the painter reads
  *   it, so that the same log gives the same film.
  * - One thread does jobs that wait for the disk (jobs.c).
+ * - While a viewer is wanted that is not there, one thread after the other tries to reach it (dial.c).
  * The others wake the loop; the loop never waits for them.
  */
 #ifndef FOVEAD_DAEMON_H

@@ -157,6 +157,14 @@ static void print_listener(const struct daemon *daemon, const struct dmn_listene
               listener->token ? "#token=TOKEN (put the value of FOVEAD_TOKEN for TOKEN)" : "");
 }
 
+static void print_viewer(const struct daemon *daemon)
+{
+    char address[PRO_ERROR_SIZE];
+
+    pro_address_print(&daemon->options.viewer, address, sizeof(address));
+    dmn_print(daemon->out, "viewer   %s, as soon as one is there\n", address + strlen("tcp:"));
+}
+
 static void print_start(const struct daemon *daemon)
 {
     const struct rnd_scene_info *info = rnd_scene_info(daemon->scene);
@@ -172,6 +180,7 @@ static void print_start(const struct daemon *daemon)
     dmn_print(daemon->out, "film     %dx%d, mode %s, %d threads\n", options->render.width,
               options->render.height, options->render.distribution->name, options->render.threads);
     for (int i = 0; i < daemon->listeners; i++) print_listener(daemon, &daemon->listener[i]);
+    if (options->has_viewer) print_viewer(daemon);
     dmn_print(daemon->out, "fovead: ready\n");
     fflush(daemon->out);
 }
@@ -264,7 +273,7 @@ static void stop(struct daemon *daemon, struct dmn_work *out_work)
     if (handles->painter) {
         dmn_painter_stop(handles->painter);
         dmn_painter_work(handles->painter, out_work);
-        dmn_loop_update(daemon->loop);
+        dmn_loop_complete(daemon->loop);
     }
     dmn_edits_stop(handles->edits);
     if (handles->gaze) dmn_gaze_stop(handles->gaze);

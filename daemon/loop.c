@@ -15,11 +15,13 @@
 #include "transport/room.h"
 #include "transport/table.h"
 #include "transport/tls.h"
+#include "viewer.h"
 
 enum {
     ACCEPTED = 16, /* connections at most before other sockets have their turn */
+    VIEWER = 2,    /* a connection to a viewer, and an attempt at one */
     /* The last are for libwebsockets itself. */
-    MOST_FDS = DMN_MOST_CLIENTS + DMN_MOST_VISITS + ACCEPTED + DMN_MAX_LISTEN + 16,
+    MOST_FDS = DMN_MOST_CLIENTS + DMN_MOST_VISITS + ACCEPTED + DMN_MAX_LISTEN + VIEWER + 16,
 };
 
 /* What is known of the picture is updated every UPDATE_NS at most, and for at most a tenth of the loop's
@@ -40,7 +42,8 @@ struct dmn_loop {
     struct lws_vhost *files; /* signals and listeners */
     struct lws_vhost *clients_of[DMN_TRANSPORTS];
     struct dmn_connection *connections;
-    unsigned numbers; /* numbers given to clients so far */
+    struct dmn_viewer *viewer; /* NULL: none is wanted */
+    unsigned numbers;          /* numbers given to clients so far */
     lws_sorted_usec_list_t tick, update, bye;
     bool update_waits;
     uint64_t updated_ns, update_cost_ns;
@@ -127,7 +130,8 @@ static void on_wake(struct dmn_loop *loop)
     if (handles->edits) dmn_edits_words(handles->edits, &loop->options.picture->scene);
     dmn_painter_work(handles->painter, &work);
     if (work.done) loop->stop = true;
-    if (loop->connections && work.batches != loop->painted) update_soon(loop);
+    if ((loop->connections || dmn_viewer_is_there(loop->viewer)) && work.batches != loop->painted)
+        update_soon(loop);
     loop->painted = work.batches;
     ask_to_write(loop);
 }
@@ -228,6 +232,16 @@ static void on_log(int level, const char *line)
     dmn_print(stderr, "fovead: libwebsockets: %.*s\n", (int)strcspn(line, "\n"), line);
 }
 
+static bool open_viewer(struct dmn_loop *loop)
+{
+    const struct dmn_handles *handles = loop->options.handles;
+
+    if (!handles->options->has_viewer) return true;
+    loop->viewer =
+        dmn_viewer_create(loop->context, &handles->options->viewer, handles, loop->options.picture);
+    return loop->viewer;
+}
+
 static bool open_context(struct dmn_loop *loop)
 {
     struct lws_context_creation_info info = {
@@ -262,7 +276,7 @@ struct dmn_loop *dmn_loop_create(const struct dmn_loop_options *options, char ou
     loop->options = *options;
     loop->clients.handles = options->handles;
     loop->clients.picture = options->picture;
-    if (open_context(loop)) return loop;
+    if (open_context(loop) && open_viewer(loop)) return loop;
     dmn_loop_destroy(loop);
     return NULL;
 }
@@ -273,14 +287,16 @@ void dmn_loop_destroy(struct dmn_loop *loop)
     if (loop->context) {
         lws_sul_cancel(&loop->tick);
         lws_sul_cancel(&loop->update);
+        dmn_viewer_destroy(loop->viewer);
         lws_context_destroy(loop->context);
     }
     free(loop);
 }
 
-void dmn_loop_update(struct dmn_loop *loop)
+void dmn_loop_complete(struct dmn_loop *loop)
 {
     update(loop, true);
+    dmn_viewer_complete(loop->viewer);
 }
 
 void dmn_loop_wake(void *loop)

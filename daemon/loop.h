@@ -27,9 +27,9 @@ void dmn_loop_destroy(struct dmn_loop *loop); /* drops all clients; accepts NULL
 
 /* Tell the loop that there may be news for clients. Any thread may call this. */
 void dmn_loop_wake(void *loop);
-/* Update what is known of the picture. */
-void dmn_loop_update(struct dmn_loop *loop);
 /* Serve until the painter is done or signal_fd is readable. */
 void dmn_loop_run(struct dmn_loop *loop);
+/* Once the painter has stopped: update what is known of the picture, and have the viewer show all of it. */
+void dmn_loop_complete(struct dmn_loop *loop);
 
 #endif

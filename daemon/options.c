@@ -116,6 +116,21 @@ static bool take_tls(const struct dmn_option *option, const char *text, void *va
     return true;
 }
 
+/* HOST or HOST:PORT; an IPv6 address is in brackets. */
+static bool take_tev(const struct dmn_option *option, const char *text, void *values, char *out_error)
+{
+    struct dmn_options *out = values;
+    const bool has_port = *text == '[' ? strstr(text, "]:") : strchr(text, ':');
+    char address[sizeof(out->viewer.host) + 16], error[PRO_ERROR_SIZE];
+    const int length = has_port ? snprintf(address, sizeof(address), "tcp:%s", text)
+                                : snprintf(address, sizeof(address), "tcp:%s:%d", text, PRO_TEV_PORT);
+
+    (void)option, (void)out_error;
+    if ((size_t)length >= sizeof(address) || !text[strspn(text, "0123456789")]) return false;
+    return out->has_viewer = pro_address_parse(address, &out->viewer, error);
+}
+_Static_assert(PRO_TEV_PORT == 14158, "the row of --tev names another port");
+
 static bool take_until(const struct dmn_option *option, const char *text, void *values, char *out_error)
 {
     (void)option, (void)out_error;
@@ -402,6 +417,13 @@ static const struct dmn_option ROWS[] = {
      .take = take_tls,
      .wants = "two PEM files, CERT,KEY, with one comma",
      .need = {{"--listen http:HOST:PORT", listens_for_browsers}}},
+    {.name = "tev",
+     .argument = "HOST[:PORT]",
+     .help = "show the picture in tev or HDRView, which listen at 127.0.0.1, port 14158: with channels as "
+             "--save has "
+             "them, and where the eye looks. fovead connects whenever a viewer is there",
+     .take = take_tev,
+     .wants = "HOST or HOST:PORT, with a port from 1 to 65535 and an IPv6 address in brackets"},
 
     {.help = "How it ends"},
     {.name = "until",

@@ -28,6 +28,8 @@ struct dmn_options {
     int listens;
     char tls_certificate[4096]; /* paths of PEM files for listeners for browsers */
     const char *tls_key;        /* NULL: they speak no TLS */
+    bool has_viewer;
+    struct pro_address viewer; /* where tev or HDRView listens */
     struct dmn_until until;
     const char *save; /* NULL: not saved */
     bool json;

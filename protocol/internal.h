@@ -27,10 +27,6 @@ uint64_t pro_deadline_ns(int timeout_ms); /* negative: PRO_NEVER */
  * the deadline. */
 short pro_wait(int fd, short events, uint64_t deadline_ns);
 
-/* A connected non-blocking socket, or -1 and a line in out_error. The caller closes it. */
-int pro_dial(const struct pro_address *address, uint64_t deadline_ns, bool wait_for_daemon,
-             char out_error[PRO_ERROR_SIZE]);
-
 /* --- frames --- */
 
 /* Does the reader hold a whole frame, so that pro_reader_take() will not return PRO_MORE? */

@@ -117,6 +117,13 @@ void pro_address_print(const struct pro_address *address, char *out_text, size_t
  * within about a minute if the peer has vanished or takes nothing. */
 void pro_tcp_options(int fd);
 
+/* Connect, and wait for that until deadline_ns (CLOCK_MONOTONIC), which look-ups of names may overstep.
+ * wait_for_daemon: retry while nothing listens. Returns a non-blocking socket, which the caller closes; -1
+ * and a line in out_error on failure. A Unix socket on which another user than this one or root listens is
+ * refused. */
+int pro_dial(const struct pro_address *address, uint64_t deadline_ns, bool wait_for_daemon,
+             char out_error[PRO_ERROR_SIZE]);
+
 /* --- client --- */
 
 /* A connection, used by one thread. */

@@ -1,17 +1,17 @@
 # End-to-end tests: scripts that run the real programs, and small programs for what scripts cannot do.
-foreach(program compare false_daemon golden hostile mean moves notified picture port)
+foreach(program compare fake_tev false_daemon golden hostile mean moves notified picture port same_channels)
   add_executable(e2e_${program} e2e/${program}.c)
 endforeach()
 foreach(program false_daemon hostile moves)
   target_link_libraries(e2e_${program} PRIVATE protocol m)
 endforeach()
-foreach(program compare mean picture)
+foreach(program compare mean picture same_channels)
   target_link_libraries(e2e_${program} PRIVATE renderer m)
 endforeach()
 target_link_libraries(e2e_golden PRIVATE daemon)
 
-foreach(name access attention bad_input client compare disk files hostile libraries move options record saves shutdown steer streams tracker
-        until virtual)
+foreach(name access attention bad_input client compare disk files hostile libraries move options record saves shutdown steer streams tev
+        tracker until virtual)
   add_test(NAME e2e_${name} COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/e2e/${name}.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
   set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" SKIP_RETURN_CODE 77)
 endforeach()
@@ -20,7 +20,7 @@ foreach(name tls web)
   set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" SKIP_RETURN_CODE 77)
 endforeach()
 # Tests with clients and threads at once, which the thread sanitizer runs too.
-set_tests_properties(e2e_attention e2e_hostile e2e_move e2e_record e2e_shutdown e2e_steer e2e_virtual e2e_web PROPERTIES LABELS "e2e;threads")
+set_tests_properties(e2e_attention e2e_hostile e2e_move e2e_record e2e_shutdown e2e_steer e2e_tev e2e_virtual e2e_web PROPERTIES LABELS "e2e;threads")
 
 # What a new user types first, real scenes, and many small ones. They take long, so they run only in one build.
 if(NOT SANITIZE)

@@ -65,6 +65,7 @@ static void defaults(void **state)
     assert_string_equal(o.gaze, "auto");
     assert_string_equal(o.render.distribution->name, "fv");
     assert_false(o.watch);
+    assert_false(o.has_viewer);
     assert_int_equal(o.listens, 1);
     assert_true(o.listen[0].is_unix);
     assert_int_equal(o.until.kind, DMN_UNTIL_STOPPED);
@@ -186,6 +187,31 @@ static void gaze(void **state)
     assert_true(o.json);
 }
 
+static void viewer(void **state)
+{
+    static const struct {
+        const char *line, *host;
+        int port;
+    } GOOD[] = {
+        {"--scene a --tev 127.0.0.1", "127.0.0.1", 14158},
+        {"--scene a --tev studio.example", "studio.example", 14158},
+        {"--scene a --tev localhost:7", "localhost", 7},
+        {"--scene a --tev [::1]", "::1", 14158},
+        {"--scene a --tev [::1]:65535", "::1", 65535},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof(GOOD) / sizeof(*GOOD); i++) {
+        struct dmn_options o;
+
+        run(GOOD[i].line, &o);
+        assert_true(o.has_viewer && !o.viewer.is_unix);
+        assert_string_equal(o.viewer.host, GOOD[i].host);
+        assert_int_equal(o.viewer.port, GOOD[i].port);
+        finish(&o);
+    }
+}
+
 static void given_again(void **state)
 {
     struct dmn_options o;
@@ -281,6 +307,17 @@ static const char *const REFUSED[] = {
     "--scene a --listen http:localhost:1 --tls c,",
     "--scene a --listen http:localhost:1 --tls ,k",
     "--scene a --listen http:localhost:1 --tls c,k,d",
+    "--scene a --tev 14158",
+    "--scene a --tev=",
+    "--scene a --tev :14158",
+    "--scene a --tev localhost:",
+    "--scene a --tev localhost:0",
+    "--scene a --tev localhost:65536",
+    "--scene a --tev localhost:1:2",
+    "--scene a --tev ::1",
+    "--scene a --tev [::1",
+    "--scene a --tev [::1]7",
+    "--scene a --tev http://localhost:14158",
     "--scene a --json=1",
     "--scene a --screen 1,2",
     "--scene a --screen 1,2,0",
@@ -401,6 +438,7 @@ int main(void)
         cmocka_unit_test(planes),
         cmocka_unit_test(the_former_name_of_camera),
         cmocka_unit_test(gaze),
+        cmocka_unit_test(viewer),
         cmocka_unit_test(given_again),
         cmocka_unit_test(refused_with_one_line),
         cmocka_unit_test(done),
