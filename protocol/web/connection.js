@@ -1,12 +1,15 @@
-// The daemon at the other end of a WebSocket: says hello, keeps the clocks together, comes back after it was lost.
+// This file talks to the daemon over a WebSocket: it says Hello, receives messages, estimates the difference of the two
+// clocks by Ping and Pong, and connects again after the connection has broken.
 import { pack, unpack } from './messages.js';
 
 const RGB9E5 = 3, AGAIN_MS = 1000, MOST_AGAIN_MS = 30000, PING_MS = 1000, SILENT_MS = 5000;
 
 export class Connection {
   // on: functions Welcome, Tile, Gaze, Stats, Done by message, and status(text), where '' means that all is well.
-  constructor(on) {
+  // widest: the widest level that the GPU can hold, pixels.
+  constructor(on, widest) {
     this.on = on;
+    this.widest = widest;
     this.offsetNs = null; // the daemon's clock minus ours
     this.roundTripMs = Infinity;
     this.acknowledged = this.serial = 0;
@@ -26,7 +29,7 @@ export class Connection {
     this.heardMs = performance.now();
     this.socket = new WebSocket(location.href.replace(/^http/, 'ws').replace(/#.*/, ''), 'fovea');
     this.socket.binaryType = 'arraybuffer';
-    this.socket.onopen = () => this.send('Hello', { version: 1, client: 'web page', tiles: RGB9E5, window: 256, gaze: true, stats: true, token: this.token() });
+    this.socket.onopen = () => this.send('Hello', { version: 1, client: 'web page', tiles: RGB9E5, window: 256, gaze: true, stats: true, token: this.token(), widest: this.widest });
     this.socket.onmessage = (event) => this.take(event.data);
     this.socket.onclose = () => {
       this.acknowledged = this.serial = 0;

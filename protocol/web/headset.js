@@ -4,7 +4,8 @@ export async function isThere() {
   return Boolean(await navigator.xr?.isSessionSupported('immersive-vr').catch(() => false));
 }
 
-// Enter a session, which draws picture until it ends. onView gets [orientation, fovX, fovY] for every frame.
+// Enter a session, which draws picture until it ends. onFrame is called when a frame has been drawn;
+// onView gets its [orientation, fovX, fovY].
 export async function enter(picture, onView, onFrame, onEnd) {
   const gl = picture.gl, session = await navigator.xr.requestSession('immersive-vr');
   await gl.makeXRCompatible();
@@ -14,13 +15,13 @@ export async function enter(picture, onView, onFrame, onEnd) {
     session.requestAnimationFrame(frame);
     const pose = xr.getViewerPose(space), layer = session.renderState.baseLayer;
     if (!pose) return;
-    onFrame();
     gl.bindFramebuffer(gl.FRAMEBUFFER, layer.framebuffer);
     for (const view of pose.views) {
       const { x, y, width, height } = layer.getViewport(view);
       gl.viewport(x, y, width, height);
       picture.draw(toWorld(view));
     }
+    onFrame();
     const { x, y, z, w } = pose.transform.orientation, p = pose.views[0].projectionMatrix;
     onView([[x, y, z, w], 2 * Math.atan(1 / p[0]), 2 * Math.atan(1 / p[5])]);
   };

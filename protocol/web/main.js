@@ -1,8 +1,10 @@
-// The page: one picture, one connection, and what hands and keys do.
+// This file is the page itself: it hands messages from the connection to the picture, draws frames, and turns input by
+// mouse, touch, keyboard and controls into changes of the view or messages to the daemon.
 import { Chart } from './chart.js';
 import { Connection } from './connection.js';
 import { enter, isThere } from './headset.js';
 import { Picture } from './picture.js';
+import { Times } from './times.js';
 import { View } from './view.js';
 
 const at = (id) => document.getElementById(id);
@@ -10,32 +12,33 @@ const canvas = at('view'), view = new View();
 const chart = {
   rate: new Chart('rate', (v) => (v * 1e-6).toFixed(2) + ' M'),
   converged: new Chart('converged', (v) => (v * 100).toFixed(1) + ' %'),
-  latency: new Chart('latency', (v) => v.toFixed(1) + ' ms'),
+  latency: new Chart('latency', (v) => `${v.toFixed(0)} ms (p50 ${times.quantile('answer', 0.5).toFixed(0)}, p99 ${times.quantile('answer', 0.99).toFixed(0)})`),
 };
 const VIEW_MS = 40, POINTER_MS = 8, MOVE_M = 0.25, LOOK = 0.08;
 
-let picture = null, headset = null, pointed = false, frozen = false, isStale = true;
-let answered = 0, waiting = null; // newest gaze that a tile has answered; the one that the next frame shows
+let picture = null, headset = null, pointed = false, frozen = false;
+let isStale = true; // the canvas does not show what it should
 let sentView = '', sentViewMs = 0, sentPointerMs = 0;
 
 function say(text) {
   if (at('status').textContent !== text) at('status').textContent = text;
 }
 
-// --- what comes
+// --- messages from the daemon
 
 function takeTile(tile) {
   if (!picture.put(tile)) return;
   isStale = true;
-  // Later tiles of the same gaze would tell how long the eye has rested.
-  if (!tile.gazeNs || tile.gazeSequence <= answered || frozen) return;
-  answered = tile.gazeSequence;
-  waiting ??= tile.gazeNs;
+  times.take(tile, picture.least, frozen);
 }
 
 function takeStats(stats) {
+  const share = (tiles) => stats.tiles ? tiles / stats.tiles : 0, percent = (tiles) => (100 * share(tiles)).toFixed(0) + ' %';
   chart.rate.add(stats.samplesPerSecond);
-  chart.converged.add(stats.tiles ? stats.tilesConverged / stats.tiles : 0);
+  chart.converged.add(share(stats.tilesConverged));
+  at('progress').value = share(stats.tilesConverged);
+  at('progress-text').textContent = `${percent(stats.tilesVisited)} of the tiles have paths, ${percent(stats.tilesSettled)} look settled from here, `
+    + `${(stats.samples * 1e-6).toFixed(0)} million paths`;
   takeScene(stats);
   showFrozen(stats.frozen);
 }
@@ -61,7 +64,7 @@ const connection = picture && new Connection({
   status: say,
   Welcome(welcome) {
     picture.begin(welcome);
-    answered = 0;
+    times.begin(welcome);
     sentView = '';
     takeScene(welcome);
     showFrozen(welcome.frozen);
@@ -70,6 +73,7 @@ const connection = picture && new Connection({
   Tile: takeTile,
   Gaze(gaze) {
     picture.look(gaze.aim.length ? gaze.aim : gaze.direction);
+    times.look(gaze);
     isStale ||= picture.trail || picture.rings;
   },
   Stats: takeStats,
@@ -77,7 +81,8 @@ const connection = picture && new Connection({
     say(done.text);
     setTimeout(() => at('status').textContent === done.text && say(''), 4000);
   },
-});
+}, picture.widest);
+const times = picture && new Times(picture.gl, connection);
 
 // --- drawing
 
@@ -85,11 +90,10 @@ function aspect() {
   return canvas.width / canvas.height;
 }
 
+// A frame has been drawn, here or in the headset.
 function shown() {
   connection.acknowledge();
-  if (waiting === null) return;
-  chart.latency.add(connection.since(waiting));
-  waiting = null;
+  chart.latency.add(times.frame());
 }
 
 function draw() {
@@ -120,12 +124,12 @@ function frame() {
     const [x, y] = view.halves(aspect());
     tell([view.orientation, 2 * Math.atan(x), 2 * Math.atan(y)]);
   }
-  if (isStale) draw();
+  if (isStale || picture.isFading) draw();
   isStale = false;
   shown();
 }
 
-// --- hands
+// --- mouse and touch
 
 const fingers = new Map();
 
@@ -196,6 +200,12 @@ function show(overlay) {
   at('overlay').dispatchEvent(new Event('input'));
 }
 
+function togglePanel() {
+  const isHidden = at('panel').classList.toggle('hidden');
+  at('toggle').setAttribute('aria-expanded', !isHidden);
+  at('toggle').textContent = isHidden ? 'Show controls (H)' : 'Hide controls (H)';
+}
+
 const freeze = () => {
   showFrozen(!frozen);
   connection.send('Freeze', { frozen });
@@ -211,7 +221,7 @@ const KEYS = {
   e: () => walk(0, MOVE_M, 0), q: () => walk(0, -MOVE_M, 0),
   f: freeze, c: recentre, p: savePng, '[': () => expose(-0.25), ']': () => expose(0.25),
   1: () => show(0), 2: () => show(1), 3: () => show(2), 4: () => show(3),
-  h: () => at('panel').classList.toggle('hidden'),
+  h: togglePanel,
 };
 addEventListener('keydown', (event) => {
   if (event.target.matches('select, input') || (event.repeat && event.key.length === 1 && 'fcph'.includes(event.key.toLowerCase()))) return;
@@ -239,6 +249,8 @@ at('freeze').onclick = freeze;
 at('recentre').onclick = recentre;
 at('png').onclick = savePng;
 at('front').onclick = lookAhead;
+at('toggle').onclick = togglePanel;
+for (const button of document.querySelectorAll('[data-key]')) button.onclick = KEYS[button.dataset.key];
 at('headset').onclick = async () => {
   if (headset) return headset.end();
   at('headset').disabled = true;
@@ -256,11 +268,11 @@ at('headset').onclick = async () => {
 };
 
 if (picture) frame();
-addEventListener('visibilitychange', () => { waiting = null; }); // while the page was hidden, it showed nothing
+addEventListener('visibilitychange', () => times?.pause());
 canvas.addEventListener('webglcontextlost', (event) => {
   event.preventDefault();
   say('The GPU has dropped the picture. Waiting for it.');
 });
 canvas.addEventListener('webglcontextrestored', () => location.reload());
 isThere().then((there) => { at('headset').hidden = !there; });
-window.fovead = { picture, view, connection, chart }; // for the console
+window.fovead = { picture, view, connection, chart, times }; // for the console

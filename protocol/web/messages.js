@@ -2,7 +2,7 @@
 
 // kind: u number, b truth, s text, y bytes, f float, d double, F floats, or the name of a message.
 const SCHEMA = {
-  Hello: { version: [1, 'u'], client: [2, 's'], tiles: [3, 'u'], window: [4, 'u'], gaze: [5, 'b'], stats: [6, 'b'], token: [7, 's'] },
+  Hello: { version: [1, 'u'], client: [2, 's'], tiles: [3, 'u'], window: [4, 'u'], gaze: [5, 'b'], stats: [6, 'b'], token: [7, 's'], widest: [8, 'u'] },
   View: { orientation: [1, 'F'], fovX: [2, 'f'], fovY: [3, 'f'] },
   Pointer: { direction: [1, 'F'] },
   Freeze: { frozen: [1, 'b'] },
@@ -11,9 +11,9 @@ const SCHEMA = {
   Recentre: { request: [1, 'u'], direction: [2, 'F'] },
   Move: { request: [1, 'u'], position: [2, 'F'], relative: [3, 'b'] },
   Welcome: { version: [1, 'u'], server: [2, 's'], width: [3, 'u'], height: [4, 'u'], tileSize: [5, 'u'], levels: [6, 'u'], generation: [7, 'u'], scene: [8, 's'], gazeSource: [9, 's'], distribution: [10, 's'], frozen: [11, 'b'] },
-  Tile: { serial: [1, 'u'], generation: [2, 'u'], level: [3, 'u'], x: [4, 'u'], y: [5, 'u'], encoding: [6, 'u'], data: [7, 'y'], samples: [8, 'u'], error: [9, 'f'], converged: [10, 'b'], settled: [11, 'b'], gazeSequence: [12, 'u'], gazeNs: [13, 'u'], aimedNs: [14, 'u'], encodedNs: [15, 'u'] },
-  Gaze: { sequence: [1, 'u'], direction: [2, 'F'], valid: [3, 'b'], frozen: [4, 'b'], aim: [8, 'F'], spread: [9, 'f'], state: [10, 's'], source: [11, 's'] },
-  Stats: { timeNs: [1, 'u'], samples: [2, 'u'], samplesPerSecond: [3, 'd'], tiles: [5, 'u'], tilesConverged: [7, 'u'], tilesSettled: [8, 'u'], clients: [13, 'u'], frozen: [15, 'b'], finished: [16, 'b'], gazeSource: [18, 's'], generation: [22, 'u'], scene: [24, 's'], refused: [25, 's'] },
+  Tile: { serial: [1, 'u'], generation: [2, 'u'], level: [3, 'u'], x: [4, 'u'], y: [5, 'u'], encoding: [6, 'u'], data: [7, 'y'], samples: [8, 'u'], error: [9, 'f'], converged: [10, 'b'], settled: [11, 'b'], gazeSequence: [12, 'u'], gazeNs: [13, 'u'], aimedNs: [14, 'u'], encodedNs: [15, 'u'], fadeMs: [16, 'u'] },
+  Gaze: { sequence: [1, 'u'], direction: [2, 'F'], valid: [3, 'b'], frozen: [4, 'b'], arrivalNs: [6, 'u'], aim: [8, 'F'], spread: [9, 'f'], state: [10, 's'], source: [11, 's'] },
+  Stats: { timeNs: [1, 'u'], samples: [2, 'u'], samplesPerSecond: [3, 'd'], tiles: [5, 'u'], tilesVisited: [6, 'u'], tilesConverged: [7, 'u'], tilesSettled: [8, 'u'], clients: [13, 'u'], frozen: [15, 'b'], finished: [16, 'b'], gazeSource: [18, 's'], generation: [22, 'u'], scene: [24, 's'], refused: [25, 's'] },
   Done: { request: [1, 'u'], ok: [2, 'b'], text: [3, 's'] },
   Pong: { clientNs: [1, 'u'], daemonNs: [2, 'u'] },
   Bye: {},
