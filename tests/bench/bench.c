@@ -21,6 +21,8 @@ static const struct {
     {"foveation", "angle between true gaze and what is rendered for; onset of saccades", bench_foveation},
     {"sampling", "error of the renderer's points against that of independent random numbers", bench_sampling},
     {"startup", "time to the first coarse picture, and memory of a film pixel", bench_startup},
+    {"stream", "bytes against sending panoramas, flicker of the periphery, how long tiles take",
+     bench_stream},
     {"throughput", "paths and rays per second, against Embree alone with the same rays", bench_throughput},
 };
 

@@ -15,6 +15,7 @@ int bench_features(int count, char **arguments);
 int bench_foveation(int count, char **arguments);
 int bench_sampling(int count, char **arguments);
 int bench_startup(int count, char **arguments);
+int bench_stream(int count, char **arguments);
 int bench_throughput(int count, char **arguments);
 
 /* An option that takes numbers with commas between them, or a text. */

@@ -2,20 +2,17 @@
  * whether paths get their share of the processors. It runs the real programs, over a Unix socket: fovead,
  * clients that decode tiles, and busy loops. */
 #include "bench.h"
-#include "daemon.h"
+#include "programs.h"
 
 #include <jansson.h>
 #include <math.h>
 #include <pthread.h>
-#include <signal.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-enum { MOST_LOOPS = 64, MOST_CLIENTS = 16, MOST_WORDS = 32 };
+enum { MOST_LOOPS = 64, MOST_CLIENTS = 16 };
 
 struct setup {
     struct rnd_scene_options scene;
@@ -46,10 +43,9 @@ struct client {
 /* The daemon, and the busy loops beside it. */
 struct run {
     const struct setup *setup;
-    struct pro_address address;
-    pid_t daemon, loop[MOST_LOOPS];
+    struct bench_daemon daemon;
+    pid_t loop[MOST_LOOPS];
     int loops;
-    uint64_t socket_ns;      /* when the socket was there */
     _Atomic int served;      /* clients that have had a tile */
     _Atomic uint64_t end_ns; /* 0 until all have */
     struct client client[MOST_CLIENTS];
@@ -93,83 +89,14 @@ static double processor(pid_t process)
     return clock_getcpuclockid(process, &clock) == 0 ? bench_seconds(clock) : 0.0;
 }
 
-/* fork(); the child ends with this program. */
-static pid_t spawn(void)
-{
-    const pid_t child = fork();
-    if (child == 0) prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (child < 0) perror("fovea-bench");
-    return child;
-}
-
-static void end(pid_t process, int how)
-{
-    if (process <= 0) return;
-    kill(process, how);
-    waitpid(process, NULL, 0);
-}
-
 static bool start_loops(struct run *run, int count)
 {
     for (; run->loops < count; run->loops++) {
-        const pid_t child = run->loop[run->loops] = spawn();
+        const pid_t child = run->loop[run->loops] = bench_spawn();
         if (child < 0) return false;
         for (volatile unsigned turn = 0; child == 0;) turn = turn + 1;
     }
     return true;
-}
-
-/* fovead's command line; numbers are printed to text. */
-static void words_of(const struct setup *setup, const char *fovead, const char *socket, char text[3][128],
-                     const char *word[MOST_WORDS])
-{
-    const struct rnd_scene_options *scene = &setup->scene;
-    int n = 0;
-    word[n++] = fovead;
-    word[n++] = "--scene";
-    word[n++] = scene->path;
-    if (scene->env_path) word[n++] = "--env", word[n++] = scene->env_path;
-    snprintf(text[0], sizeof *text, "%.9g,%.9g,%.9g,%.9g", (double)scene->sun[0], (double)scene->sun[1],
-             (double)scene->sun[2], (double)scene->sun[3]);
-    if (scene->has_sun) word[n++] = "--sun", word[n++] = text[0];
-    snprintf(text[1], sizeof *text, "%.9g,%.9g,%.9g", (double)scene->camera[0], (double)scene->camera[1],
-             (double)scene->camera[2]);
-    if (scene->has_camera) word[n++] = "--camera", word[n++] = text[1];
-    snprintf(text[2], sizeof *text, "%d", setup->width);
-    word[n++] = "--size", word[n++] = text[2];
-    word[n++] = "--gaze", word[n++] = setup->gaze;
-    word[n++] = "--listen", word[n++] = socket;
-    word[n] = NULL;
-}
-
-/* Start fovead and wait for its socket. */
-static bool start_daemon(struct run *run)
-{
-    char beside[4096], text[3][128], socket[sizeof run->address.path + 8];
-    const char *fovead = run->setup->fovead, *word[MOST_WORDS];
-    const ssize_t length = readlink("/proc/self/exe", beside, sizeof beside - 16);
-    if (!fovead && length > 0) {
-        beside[length] = '\0';
-        strcpy(strrchr(beside, '/'), "/fovead");
-        fovead = beside;
-    }
-    pro_address_print(&run->address, socket, sizeof socket);
-    words_of(run->setup, fovead ? fovead : "fovead", socket, text, word);
-    run->daemon = spawn();
-    if (run->daemon == 0) {
-        if (freopen("/dev/null", "w", stdout)) execvp(word[0], (char **)word);
-        perror(word[0]);
-        _exit(127);
-    }
-    while (run->daemon > 0 && access(run->address.path, F_OK) != 0) {
-        if (waitpid(run->daemon, NULL, WNOHANG) == run->daemon) {
-            run->daemon = -1;
-            fprintf(stderr, "fovea-bench: %s has ended without a socket\n", word[0]);
-        }
-        usleep(1000);
-    }
-    run->socket_ns = dmn_now_ns();
-    return run->daemon > 0;
 }
 
 /* --- clients --- */
@@ -203,7 +130,7 @@ static void take_stats(struct client *client, const Fovea__Stats *stats)
     client->paths = stats->samples;
     if (!end_ns || stats->time_ns < end_ns - (uint64_t)(0.5e9 * run->setup->seconds)) return;
     client->to = (struct mark){1e-9 * (double)stats->time_ns, client->before + (double)client->paths,
-                               processor(run->daemon), 0.0};
+                               processor(run->daemon.process), 0.0};
     for (int i = 0; i < run->loops; i++) client->to.loops += processor(run->loop[i]);
     if (client->from.time == 0.0) client->from = client->to;
 }
@@ -218,7 +145,7 @@ static void *watch(void *argument)
     hello.tiles = FOVEA__ENCODING__ENCODING_JPEG; /* as foveactl watch */
     hello.stats = true;
     trk_be_prompt();
-    struct pro_client *connection = pro_connect(&run->address, &hello, -1, true, error);
+    struct pro_client *connection = pro_connect(&run->daemon.address, &hello, -1, true, error);
     client->failed = !connection;
     while (!client->failed) {
         const uint64_t end_ns = atomic_load(&run->end_ns);
@@ -271,7 +198,7 @@ static void evaluate(const struct run *run, double figure[FIGURES])
     const double seconds = first->to.time - first->from.time;
     memset(figure, 0, FIGURES * sizeof *figure);
     for (const struct client *c = run->client; c < run->client + run->setup->clients; c++) {
-        figure[FIRST] = fmax(figure[FIRST], 1e-9 * (double)(c->first_ns - run->socket_ns));
+        figure[FIRST] = fmax(figure[FIRST], 1e-9 * (double)(c->first_ns - run->daemon.socket_ns));
         figure[GAP] = fmax(figure[GAP], 1e-9 * (double)c->gap_ns);
         figure[TILES] += (double)c->tiles / run->setup->seconds / run->setup->clients;
     }
@@ -288,14 +215,9 @@ static void evaluate(const struct run *run, double figure[FIGURES])
 static bool measure(const struct setup *setup, int loops, double figure[FIGURES])
 {
     static struct run run;
-    char directory[] = "/tmp/fovea-busy-XXXXXX";
-    run = (struct run){.setup = setup, .address.is_unix = true, .lock = PTHREAD_MUTEX_INITIALIZER};
-    if (!mkdtemp(directory)) {
-        perror(directory);
-        return false;
-    }
-    snprintf(run.address.path, sizeof run.address.path, "%s/socket", directory);
-    bool ok = start_loops(&run, loops) && start_daemon(&run);
+    run = (struct run){.setup = setup, .lock = PTHREAD_MUTEX_INITIALIZER};
+    const struct bench_fovead with = {&setup->scene, setup->fovead, setup->gaze, setup->width};
+    bool ok = start_loops(&run, loops) && bench_daemon_start(&run.daemon, &with);
     int watching = 0;
     for (; ok && watching < setup->clients; watching++) {
         run.client[watching].run = &run;
@@ -306,10 +228,8 @@ static bool measure(const struct setup *setup, int loops, double figure[FIGURES]
         pthread_join(run.client[i].thread, NULL);
         ok = ok && !run.client[i].failed;
     }
-    end(run.daemon, SIGTERM);
-    for (int i = 0; i < run.loops; i++) end(run.loop[i], SIGKILL);
-    unlink(run.address.path);
-    rmdir(directory);
+    bench_daemon_end(&run.daemon);
+    for (int i = 0; i < run.loops; i++) bench_end(run.loop[i], SIGKILL);
     if (ok) evaluate(&run, figure);
     return ok;
 }
