@@ -1,5 +1,5 @@
 # End-to-end tests: scripts that run the real programs, and small programs for what scripts cannot do.
-foreach(program compare fake_tev false_daemon golden hostile mean moves notified picture port same_channels)
+foreach(program compare exact fake_tev false_daemon golden hostile mean moves notified picture port same_channels)
   add_executable(e2e_${program} e2e/${program}.c)
 endforeach()
 foreach(program false_daemon hostile moves)
@@ -8,9 +8,10 @@ endforeach()
 foreach(program compare mean picture same_channels)
   target_link_libraries(e2e_${program} PRIVATE renderer m)
 endforeach()
+target_link_libraries(e2e_exact PRIVATE protocol renderer m)
 target_link_libraries(e2e_golden PRIVATE daemon)
 
-foreach(name access attention bad_input client compare disk files hostile libraries move options record saves shutdown steer streams tev
+foreach(name access attention bad_input client compare disk exact files hostile libraries move options record saves shutdown steer streams tev
         tracker until virtual)
   add_test(NAME e2e_${name} COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/e2e/${name}.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
   set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" SKIP_RETURN_CODE 77)
