@@ -60,6 +60,10 @@ Your own scene and recorded gaze:
 and in another terminal
   build/demo/foveactl watch
   build/demo/foveactl snapshot view.png --view gaze,90
-or in a browser: give fovead --listen http:127.0.0.1:7462 and open http://127.0.0.1:7462/
 More: build/demo/fovead --help, build/demo/foveactl --help
+
+To look around in the hall with a browser, your pointer being the gaze, run
+  build/demo/fovead --scene fixtures/hall.gltf --env fixtures/sky.hdr --gaze pointer --listen http:127.0.0.1:7462
+and open
+  http://127.0.0.1:7462/
 END
