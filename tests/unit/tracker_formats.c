@@ -13,7 +13,14 @@
 #include <math.h>
 #include <zlib.h>
 
-enum { EYES = 1, HEAD = 2, BLINK = 4, PUPILS = 8, GAP = 16 }; /* what a format holds besides gaze */
+enum {
+    EYES = 1,
+    HEAD = 2,
+    BLINK = 4,
+    PUPILS = 8,
+    GAP = 16,
+    SCREEN = 32
+}; /* what a format holds besides gaze */
 
 static const struct format {
     const char *file, *id, *name;
@@ -30,23 +37,26 @@ static const struct format {
     {"pupil_core.csv", "pupil-core", "Pupil Core", EYES, "out of order, sorted by time: 1"},
     {"pupil_core_2d.csv", "pupil-core", "Pupil Core", 0, "a scene camera 77.7 degrees wide"},
     {"pupil_cloud.csv", "pupil-cloud", "Pupil Cloud", BLINK, "in blinks, counted as lost: 1"},
-    {"tobii_lab.tsv", "tobii-lab", "Tobii Pro Lab", EYES | PUPILS, "other sensors, skipped: 1; commas"},
+    {"tobii_lab.tsv", "tobii-lab", "Tobii Pro Lab", EYES | PUPILS | SCREEN,
+     "other sensors, skipped: 1; commas"},
     {"tobii_lab_glasses.tsv", "tobii-lab", "Tobii Pro Lab", EYES, ""},
     {"glasses3.json", "glasses3", "Tobii Pro Glasses 3", EYES | PUPILS, ""},
     {"glasses3.gz", "glasses3", "Tobii Pro Glasses 3", EYES | PUPILS, ""},
     {"pico.tsv", "pico", "Pico", HEAD | BLINK, "gaze is in Unity's frame (RUF)"},
-    {"eyelink_bino.asc", "eyelink", "EyeLink ASC", EYES | BLINK,
+    {"eyelink_bino.asc", "eyelink", "EyeLink ASC", EYES | BLINK | SCREEN,
      "40.0 px per degree the screen is 45.5 degrees wide"},
-    {"eyelink_mono.asc", "eyelink", "EyeLink ASC", 0, "40.0 px per degree"},
-    {"eyelink_2000.asc", "eyelink", "EyeLink ASC", 0, "spread evenly at 2000 Hz: 2"},
-    {"gazepoint.csv", "gazepoint", "Gazepoint", EYES | BLINK | PUPILS | GAP,
+    {"eyelink_mono.asc", "eyelink", "EyeLink ASC", SCREEN, "40.0 px per degree"},
+    {"eyelink_2000.asc", "eyelink", "EyeLink ASC", SCREEN, "spread evenly at 2000 Hz: 2"},
+    {"gazepoint.csv", "gazepoint", "Gazepoint", EYES | BLINK | PUPILS | GAP | SCREEN,
      "screen of 16:9 43.6 degrees wide"},
-    {"open_gaze.xml", "open-gaze", "Open Gaze API", EYES | BLINK | GAP, "screen of 16:9 43.6 degrees wide"},
-    {"gazebase.csv", "gazebase", "GazeBase", 0, ""},
+    {"open_gaze.xml", "open-gaze", "Open Gaze API", EYES | BLINK | GAP | SCREEN,
+     "screen of 16:9 43.6 degrees wide"},
+    {"gazebase.csv", "gazebase", "GazeBase", SCREEN, ""},
     {"gazebase_vr.csv", "gazebase-vr", "GazeBaseVR", EYES, ""},
-    {"pymovements.csv", "pymovements", "pymovements", 0, "time is in ms (steps of 10)"},
+    {"pymovements.csv", "pymovements", "pymovements", SCREEN, "time is in ms (steps of 10)"},
     {"360em.arff", "360em", "360_em ARFF", HEAD, "roll"},
-    {"bids_screen.txt", "bids", "BIDS eye tracking", 0, "by the sidecar the screen is 43.6 degrees wide"},
+    {"bids_screen.txt", "bids", "BIDS eye tracking", SCREEN,
+     "by the sidecar the screen is 43.6 degrees wide"},
     {"bids_world.txt", "bids", "BIDS eye tracking", 0, "time"},
 };
 enum { LOGS = sizeof logs / sizeof *logs };
@@ -78,6 +88,17 @@ static void check_gaze(const float direction[3], double yaw, double pitch)
     assert_float_equal(asin(direction[1]) * 180 / M_PI, pitch, 0.06);
 }
 
+/* The point on the screen, from its top left corner: 10 degrees are a fifth of the screens' width and two fifths
+ * of their height. */
+static void check_point(const struct format *format, const struct trk_sample *sample, int i)
+{
+    static const double x[] = {0, 0.211, 0, 0, -0.211}, y[] = {0, 0, -0.37, 0, 0.185};
+    assert_int_equal((sample->valid & TRK_SCREEN) != 0, (format->has & SCREEN) && i != 3);
+    if (!(sample->valid & TRK_SCREEN)) return;
+    assert_float_equal(sample->screen[0], 0.5 + x[i], fabs(x[i]) * 0.05 + 1e-5);
+    assert_float_equal(sample->screen[1], 0.5 + y[i], fabs(y[i]) * 0.16 + 1e-5);
+}
+
 static void check_sample(const struct format *format, const struct trk_sample *sample, int i)
 {
     static const double gaze_deg[5][2] = {{0, 0}, {10, 0}, {0, 10}, {0, 0}, {-10, -5}};
@@ -90,6 +111,7 @@ static void check_sample(const struct format *format, const struct trk_sample *s
     assert_int_equal((sample->valid & TRK_HEAD) != 0, (format->has & HEAD) != 0);
     assert_int_equal(trk_world_direction(sample, world), i != 3);
     if (i != 3) check_gaze(world, gaze_deg[i][0], gaze_deg[i][1]);
+    check_point(format, sample, i);
     if (format->has & EYES)
         assert_int_equal(eyes, i == 3   ? 0
                                : i == 4 ? TRK_LEFT_DIRECTION
@@ -206,6 +228,29 @@ static void options_are_followed(void **state)
     told("tobii_lab.tsv", (struct trk_log_options){.screen_width_m = 2, .screen_distance_m = 1}, 1, near, 0,
          40000000);
     told("eyelink_mono.asc", (struct trk_log_options){.screen_fov_deg = 45.47}, 1, 10, 0, 40000000);
+}
+
+/* Where on the screen the eye looks is what the log says, however large the screen is thought to be. */
+static void points_on_screens(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *file;
+        float x, y; /* of the second sample */
+    } points[] = {{"gazepoint.csv", 0.720409f, 0.5f},
+                  {"open_gaze.xml", 0.720409f, 0.5f},
+                  {"tobii_lab.tsv", 1383.185f / 1920, 0.5f}};
+    static const double fov_deg[] = {0, 90, 20};
+    for (size_t k = 0; k < sizeof points / sizeof *points; k++)
+        for (int i = 0; i < 3; i++) {
+            const struct trk_log_options options = {.screen_fov_deg = fov_deg[i]};
+            char error[TRK_ERROR_SIZE];
+            struct trk_log log;
+            if (!open_log(points[k].file, &options, &log, error)) fail_msg("%s: %s", points[k].file, error);
+            assert_float_equal(sample_at(&log, 1)->screen[0], points[k].x, 1e-5);
+            assert_float_equal(sample_at(&log, 1)->screen[1], points[k].y, 1e-5);
+            trk_log_finish(&log);
+        }
 }
 
 /* --- bad input --- */
@@ -480,6 +525,7 @@ int main(void)
         TEST(formats_can_be_told),
         TEST(impossible_options_are_refused),
         TEST(options_are_followed),
+        TEST(points_on_screens),
         TEST(bad_rows_are_refused),
         TEST(bad_sidecars_are_refused),
         TEST(ambiguity_is_refused),

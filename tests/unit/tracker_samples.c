@@ -271,8 +271,8 @@ static void little_room(void **state)
         const char *name;
         void (*make_log)(int rows);
         double most; /* bytes per sample */
-    } logs[] = {{"EyeLink, two eyes", make_binocular, 26},
-                {"EyeLink, one eye", make_monocular, 14},
+    } logs[] = {{"EyeLink, two eyes", make_binocular, 28},
+                {"EyeLink, one eye", make_monocular, 18},
                 {"Pupil Core, unsorted", make_unsorted, 52},
                 {"headset", make_headset, 80}};
     if (!COUNTS) {

@@ -2,8 +2,9 @@
  *
  * GazeBase (EyeLink at 1000 Hz, one eye; Griffith et al. 2021): n is the time in ms. x and y are degrees of
  * visual angle from the middle of a screen, to the right and up. Each angle is measured in its own plane: the
- * tangent of x is the distance to the right divided by the viewing distance. A sample with val above 0 is
- * lost. dP is the pupil in an arbitrary unit.
+ * tangent of x is the distance to the right divided by the viewing distance. The screen
+ * is 47.4 x 29.7 cm large and 55 cm away. A sample with val above 0 is lost. dP is the pupil in an arbitrary
+ * unit.
  *
  * GazeBaseVR (HTC Vive Pro with ET5, 250 Hz; Lohr et al. 2023): n is the time in ms. x and y belong to both
  * eyes together, lx and ly to the left eye, rx and ry to the right eye; all are degrees to the right and up
@@ -14,10 +15,11 @@
  *
  * pymovements writes time, pixel_x, pixel_y, position_x, position_y; position is in degrees as in GazeBase.
  * The table does not state the unit of time; the reader guesses it from the steps. The reader assumes that y
- * points up, although pixels would point down. */
+ * points up, although pixels would point down. The size of the screen is assumed, or an option gives it. */
 #include "log/formats.h"
 
 #include <math.h>
+#include <string.h>
 
 enum {
     TIME,
@@ -35,14 +37,17 @@ enum {
 
 struct layout {
     const char *names[COLUMNS]; /* NULL: the format lacks this column */
-    bool apart;                 /* x and y are measured in separate planes, not as azimuth and elevation */
-    bool may_be_short;          /* rows may lack the last columns */
-    double unit_ns;             /* of one unit of time; 0: guess it */
+    bool
+        apart; /* x and y are measured in separate planes, not as azimuth and elevation: gaze is at a screen */
+    double half[2];    /* half the width and height of that screen, in viewing distances; 0: unknown */
+    bool may_be_short; /* rows may lack the last columns */
+    double unit_ns;    /* of one unit of time; 0: guess it */
 };
 
 static const struct layout gazebase = {
     .names = {"n", "x", "y", [LOST] = "val"},
     .apart = true,
+    .half = {0.237 / 0.55, 0.1485 / 0.55},
     .unit_ns = 1e6,
 };
 static const struct layout gazebase_vr = {
@@ -59,6 +64,7 @@ struct reader {
     struct trk_table table;
     const struct layout *layout;
     struct trk_frame frame;
+    struct trk_plane screen; /* if the layout is apart */
     struct trk_log_clock clock;
     double signs[2], unit_ns;
     int place[COLUMNS]; /* -1: none */
@@ -79,6 +85,11 @@ static bool begin(struct reader *reader, struct trk_reading *reading, char out_e
     reading->clock_names[0] = reading->header.names[reader->place[TIME]];
     reader->frame = trk_reading_frame(reading, "RUF");
     if (!trk_reading_signs(reading, "RUF", reader->signs, out_error)) return false;
+    memcpy(reader->screen.half, layout->half, sizeof layout->half);
+    if (layout->apart && layout->half[0] == 0 &&
+        !trk_plane_init(&reader->screen, reading, (double[]){1, 1}, 16.0 / 9, TRK_SCREEN_FOV_DEG,
+                        "screen of 16:9", out_error))
+        return false;
     reader->unit_ns = layout->unit_ns > 0
                           ? trk_time_unit(reading, layout->unit_ns)
                           : trk_table_guess_unit(&reader->table, reader->place[TIME], out_error);
@@ -125,6 +136,7 @@ static bool read_row(void *context, struct trk_sample *sample, char out_error[TR
     sample->arrival_ns = sample->device_ns;
     if (lost > 0) return true;
     if (!read_gaze(reader, 2, X, sample, out_error)) return false;
+    if (reader->layout->apart) trk_set_screen(sample, &reader->screen);
     if (reader->place[LEFT_X] < 0) return true;
     for (int eye = 0; eye < 2; eye++) {
         if (!read_gaze(reader, eye, LEFT_X + 2 * eye, sample, out_error) ||
@@ -180,7 +192,7 @@ const struct trk_log_format trk_log_gazebase_vr = {
 const struct trk_log_format trk_log_pymovements = {
     .id = "pymovements",
     .name = "pymovements",
-    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME | TRK_TAKES_RECORDING,
+    .takes = TRK_TAKES_TIME_UNIT | TRK_TAKES_FRAME | TRK_TAKES_SCREEN | TRK_TAKES_RECORDING,
     .columns = {"time", "position_x", "position_y", "pixel_x"},
     .read = read_pymovements,
 };

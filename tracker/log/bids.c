@@ -169,7 +169,7 @@ static bool init_screen(struct reader *reader, char out_error[TRK_ERROR_SIZE])
     if (!(width >= 1 && width < 1e6 && height >= 1 && height < 1e6)) {
         width = 1920;
         height = 1080;
-        trk_assume(reading, "screen of 1920 x 1080 px");
+        if (reader->place_kind == ON_SCREEN_PX) trk_assume(reading, "screen of 1920 x 1080 px");
     }
     double aspect = width / height;
     if (across > 0.01 && across < 100 && up > 0.01 && up < 100) aspect = across / up;
@@ -179,7 +179,7 @@ static bool init_screen(struct reader *reader, char out_error[TRK_ERROR_SIZE])
     }
     return trk_plane_init(&reader->plane, reading, (double[]){width, height}, aspect, fov_deg, what,
                           out_error) &&
-           turn_to_origin(reader, out_error);
+           (reader->place_kind != ON_SCREEN_PX || turn_to_origin(reader, out_error));
 }
 
 /* What x and y are. */
@@ -209,7 +209,8 @@ static bool read_place(struct reader *reader, char out_error[TRK_ERROR_SIZE])
     reader->degrees = is_deg ? 1 : 180 / M_PI;
     if (!strstr(text_of(json_object_get(root, names[Y]), "Description"), "up"))
         trk_assume(reading, "x and y count to the right and up");
-    return trk_reading_signs(reading, "RUF", reader->signs, out_error);
+    return (!on_screen || init_screen(reader, out_error)) &&
+           trk_reading_signs(reading, "RUF", reader->signs, out_error);
 }
 
 /* --- the rows --- */
@@ -234,6 +235,7 @@ static void set_gaze(struct reader *reader, double x, double y, struct trk_sampl
     }
     if (reader->eye < 2) trk_set_direction(sample, reader->eye, direction, &ours);
     trk_set_direction(sample, 2, direction, &ours);
+    if (reader->place_kind != IN_ANGLES) trk_set_screen(sample, &reader->plane);
 }
 
 static bool read_row(struct reader *reader, char out_error[TRK_ERROR_SIZE])

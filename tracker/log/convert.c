@@ -66,8 +66,9 @@ bool trk_plane_init(struct trk_plane *plane, struct trk_reading *reading, const 
         trk_assume(reading, "%s %.1f degrees wide", what, own_fov_deg);
     plane->middle[0] = size[0] / 2;
     plane->middle[1] = size[1] / 2;
-    plane->focal[0] = size[0] / 2 / half;
-    plane->focal[1] = size[1] / 2 / (half / aspect);
+    plane->half[0] = half;
+    plane->half[1] = half / aspect;
+    for (int i = 0; i < 2; i++) plane->focal[i] = size[i] / 2 / plane->half[i];
     return true;
 }
 
@@ -77,6 +78,15 @@ void trk_plane_direction(const struct trk_plane *plane, double x, double y, floa
                    plane->sign[1] * (y - plane->middle[1]) / plane->focal[1], -1};
     double length = sqrt(v[0] * v[0] + v[1] * v[1] + 1);
     for (int i = 0; i < 3; i++) out_direction[i] = (float)(v[i] / length);
+}
+
+void trk_set_screen(struct trk_sample *sample, const struct trk_plane *screen)
+{
+    float d[3];
+    if (!trk_gaze_direction(sample, d, NULL) || !(d[2] < -1e-6f)) return;
+    sample->screen[0] = (float)(0.5 - (double)d[0] / (double)d[2] / screen->half[0] / 2);
+    sample->screen[1] = (float)(0.5 + (double)d[1] / (double)d[2] / screen->half[1] / 2);
+    sample->valid |= TRK_SCREEN;
 }
 
 void trk_angles_direction(double yaw_deg, double pitch_deg, float out_direction[3])

@@ -26,6 +26,7 @@ bool trk_reading_signs(struct trk_reading *reading, const char *own, double out_
 struct trk_plane {
     double middle[2], focal[2]; /* both in the unit of x and y */
     double sign[2];             /* 1 if x grows to the right, and if y grows upwards */
+    double half[2];             /* half its width and height, in viewing distances */
 };
 
 /* Set up a plane. Its geometry comes from the options; without them it is own_fov_deg wide, and a note says
@@ -34,6 +35,10 @@ struct trk_plane {
 bool trk_plane_init(struct trk_plane *plane, struct trk_reading *reading, const double size[2], double aspect,
                     double own_fov_deg, const char *what, char out_error[TRK_ERROR_SIZE]);
 void trk_plane_direction(const struct trk_plane *plane, double x, double y, float out_direction[3]);
+
+/* Set the point on the screen that the sample's gaze meets, once the gaze is complete. A sample without gaze
+ * gets none. Of the screen only half is used: it is straight ahead, as in trk_plane_direction(). */
+void trk_set_screen(struct trk_sample *sample, const struct trk_plane *screen);
 
 /* A screen 0.52 m wide at 0.65 m, for logs that do not describe their screen. */
 #define TRK_SCREEN_FOV_DEG 43.6028

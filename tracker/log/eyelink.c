@@ -265,6 +265,7 @@ static bool turn_segment(struct reader *reader, const struct trk_plane *plane, s
                 trk_plane_direction(plane, direction[0], direction[1], direction);
         }
         reader->reading->eyes_mean += trk_combine(&sample);
+        trk_set_screen(&sample, plane);
         if (!trk_samples_put(log, i, &sample))
             return trk_fail(out_error, "%s: no memory", reader->reading->lines.path);
     }

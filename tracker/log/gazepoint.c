@@ -144,6 +144,7 @@ static bool read_record(struct reader *reader, char out_error[TRK_ERROR_SIZE])
         if (pupil_valid == 1) trk_set_pupil(&sample, eye, pupil);
         if (isfinite(blink) && blink != 0) trk_set_openness(&sample, eye, 0);
     }
+    trk_set_screen(&sample, &reader->plane);
     return trk_log_append(reader->reading, &sample, out_error);
 }
 

@@ -286,6 +286,28 @@ static bool read_times(struct reader *reader, struct trk_sample *sample, char ou
            trk_log_clock_count(&reader->host, host_ns, reader->table.reading, &sample->arrival_ns, out_error);
 }
 
+/* The point on the display that the gaze is at: by the plane that its pixels were taken for, or, where gaze is
+ * made from something better, by its pixels, if they were exported with the display's size. */
+static bool set_point(struct reader *reader, const struct eye eyes[2], const double both[2],
+                      struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
+{
+    double point[2] = {both[0], both[1]}, size;
+    float head[3];
+    if (reader->way == PIXELS) trk_set_screen(sample, &reader->plane);
+    if (reader->way == PIXELS || reader->way == GLASSES || !trk_gaze_direction(sample, head, NULL))
+        return true;
+    for (int i = 0; i < 2; i++) {
+        const double left = eyes[0].point[i], right = eyes[1].point[i];
+        if (!isfinite(point[i]))
+            point[i] = !isfinite(left) ? right : !isfinite(right) ? left : (left + right) / 2;
+        if (!trk_table_number(&reader->table, reader->resolution[i], &size, out_error)) return false;
+        if (!isfinite(point[i]) || !(size >= 1 && size < 1e6)) return true;
+        sample->screen[i] = (float)(point[i] / size);
+    }
+    sample->valid |= TRK_SCREEN;
+    return true;
+}
+
 static bool read_row(void *context, struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
 {
     struct reader *reader = context;
@@ -309,7 +331,7 @@ static bool read_row(void *context, struct trk_sample *sample, char out_error[TR
         sample->valid |= TRK_DIRECTION;
     }
     reader->table.reading->eyes_mean += trk_combine(sample);
-    return true;
+    return set_point(reader, eyes, both, sample, out_error);
 }
 
 static bool read_tobii_lab(struct trk_reading *reading, char out_error[TRK_ERROR_SIZE])
