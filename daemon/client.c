@@ -48,6 +48,19 @@ bool dmn_client_ask(struct dmn_client *client, struct dmn_job *job, char out_err
     return true;
 }
 
+void dmn_client_show(struct dmn_client *client, const struct trk_view *view_or_null, bool headset, bool asks)
+{
+    struct dmn_steering *steering = &client->clients->steering;
+    const unsigned changes = steering->changes;
+
+    /* Under the virtual clock a picture does not depend on clients. */
+    if (client->handles->options->virtual_clock) return;
+    dmn_steering_show(steering, &client->shown, view_or_null, headset, asks);
+    if (steering->first != &client->shown && steering->changes == changes) return;
+    dmn_gaze_view(client->handles->gaze, steering->first ? &steering->first->view : NULL,
+                  steering->first && steering->first->headset);
+}
+
 uint8_t *dmn_client_pack(const struct dmn_client *client, Fovea__Message__BodyCase body, void *content,
                          size_t *out_count)
 {

@@ -9,6 +9,7 @@
 #include "next.h"
 #include "picture.h"
 #include "protocol.h"
+#include "steering.h"
 
 enum {
     DMN_ANSWERS = 32, /* waiting to be sent; a client that lets more pile up is dropped */
@@ -21,7 +22,7 @@ struct dmn_clients {
     const struct dmn_picture *picture;
     struct dmn_gate gate;
     unsigned count;
-    unsigned view_owner; /* number of the client whose View rules; 0 if none does */
+    struct dmn_steering steering; /* not under the virtual clock */
 };
 
 struct dmn_client_options {
@@ -60,7 +61,9 @@ struct dmn_client {
     Fovea__Encoding encoding;
     uint32_t window; /* tiles that may be under way unacknowledged */
     int finest;      /* level that the client can hold */
-    bool wants_gaze, wants_stats, welcome_due, stats_due;
+    bool wants_gaze, wants_stats, wants_viewing, welcome_due, stats_due;
+    struct dmn_shown shown;
+    unsigned told; /* of steering.changes, plus 1; 0: nothing was told */
     uint64_t gaze_cursor;
     struct dmn_answer answer[DMN_ANSWERS];
     unsigned first_answer, answers;
@@ -87,6 +90,9 @@ bool dmn_client_done(struct dmn_client *client, uint32_t request, bool good, con
                      char out_error[PRO_ERROR_SIZE]);
 /* Ask for a job, and keep a place among the answers for its Done. */
 bool dmn_client_ask(struct dmn_client *client, struct dmn_job *job, char out_error[PRO_ERROR_SIZE]);
+
+/* The client shows a view, or with NULL none any more: who steers by it? asks as for dmn_steering_show(). */
+void dmn_client_show(struct dmn_client *client, const struct trk_view *view_or_null, bool headset, bool asks);
 
 /* Pack a message whose body is content. malloc'ed, with the client's headroom before it; the caller frees.
  * NULL if memory is short. */

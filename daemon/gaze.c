@@ -42,8 +42,9 @@ struct dmn_gaze {
     float taken[3];    /* the direction that the painter's batch is aimed at */
     float measured[3]; /* the last gaze, and whether the newest sample has one */
     bool has_gaze;
-    bool frozen, ended, has_view;
-    float view[4], view_fov[2];
+    bool frozen, ended;
+    bool has_view, is_head; /* a client steers, and by the pose of a head */
+    struct trk_view view;   /* its view */
     uint64_t samples, valid;
     struct trk_status status;
     bool has_rotation; /* a rotation for eye trackers was kept at an earlier start */
@@ -143,12 +144,16 @@ void dmn_gaze_close(struct dmn_gaze *gaze)
 
 /* --- decisions: with the lock held --- */
 
-/* The viewport is where the head points, or, while the head pose is unknown, where the eyes look. It stays
- * while a lid is down or no eye is seen. */
-static void take_view(struct dmn_gaze *gaze, const struct trk_sample *sample)
+/* The viewport while no client steers. It is where the head points, or, while the head pose is unknown, where
+ * the eyes look. It stays while a lid is down or no eye is seen. A screen is straight ahead. */
+static void take_viewport(struct dmn_gaze *gaze, const struct trk_sample *sample)
 {
+    static const float forward[4] = {0, 0, 0, 1};
+
     if (gaze->frozen) return;
-    if (sample->valid & TRK_HEAD)
+    if (gaze->status.on_screen)
+        memcpy(gaze->aim.view, forward, sizeof(gaze->aim.view));
+    else if (sample->valid & TRK_HEAD)
         memcpy(gaze->aim.view, sample->head + 3, sizeof(gaze->aim.view));
     else if (gaze->has_gaze && gaze->decision.state < TRK_BLINK)
         dmn_orientation(gaze->measured, gaze->aim.view);
@@ -197,15 +202,38 @@ static bool decide(struct dmn_gaze *gaze, const struct trk_sample *sample_or_nul
     return true;
 }
 
-static void accept(struct dmn_gaze *gaze, const struct trk_sample *sample, uint64_t now_ns)
+/* Take the gaze as measured, at a screen through the view of the client that steers. False if there is none.
+ */
+static bool measure(struct dmn_gaze *gaze, const struct trk_sample *sample)
 {
-    gaze->has_gaze = trk_world_direction(sample, gaze->measured);
+    float head[3];
+
+    if (!gaze->has_view || !(sample->valid & TRK_SCREEN)) return trk_world_direction(sample, gaze->measured);
+    return trk_gaze_direction(sample, head, NULL) &&
+           trk_view_direction(&gaze->view, sample->screen, gaze->measured);
+}
+
+/* An eye tracker in a headset that tells no head pose has that of the headset that steers. */
+static void add_head(const struct dmn_gaze *gaze, struct trk_sample *sample)
+{
+    if (!gaze->is_head || !gaze->status.is_device || gaze->status.on_screen || (sample->valid & TRK_HEAD))
+        return;
+    memset(sample->head, 0, sizeof(sample->head));
+    memcpy(sample->head + 3, gaze->view.orientation, sizeof(gaze->view.orientation));
+    sample->valid |= TRK_HEAD;
+}
+
+static void accept(struct dmn_gaze *gaze, struct trk_sample *sample, uint64_t now_ns)
+{
+    add_head(gaze, sample);
+    dmn_recording_append(&gaze->recording, sample);
+    if (gaze->status.on_screen) trk_drop_head(sample);
+    gaze->has_gaze = measure(gaze, sample);
     gaze->ended = false;
     gaze->samples++;
     gaze->valid += gaze->has_gaze;
-    dmn_recording_append(&gaze->recording, sample);
     decide(gaze, sample, now_ns);
-    take_view(gaze, sample);
+    take_viewport(gaze, sample);
 }
 
 /* Follow changes of the source: auto takes up eye trackers, and eye trackers come and go. */
@@ -301,8 +329,8 @@ void dmn_gaze_aim(struct dmn_gaze *gaze, struct rnd_aim *out_aim)
     memcpy(gaze->taken, gaze->aim.gaze, sizeof(gaze->taken));
     atomic_store_explicit(&gaze->stale, false, memory_order_relaxed);
     if (gaze->has_view) {
-        memcpy(out_aim->view, gaze->view, sizeof(out_aim->view));
-        memcpy(out_aim->fov, gaze->view_fov, sizeof(out_aim->fov));
+        memcpy(out_aim->view, gaze->view.orientation, sizeof(out_aim->view));
+        memcpy(out_aim->fov, gaze->view.fov, sizeof(out_aim->fov));
     }
     pthread_mutex_unlock(&gaze->lock);
 }
@@ -374,18 +402,20 @@ void dmn_gaze_push(struct dmn_gaze *gaze, const float direction[3])
     if (gaze->source) trk_push(gaze->source, direction, dmn_now_ns());
 }
 
-void dmn_gaze_view(struct dmn_gaze *gaze, const float orientation[4], float fov_x, float fov_y)
+void dmn_gaze_view(struct dmn_gaze *gaze, const struct trk_view *view_or_null, bool is_head)
 {
-    static const float forward[4] = {0, 0, 0, 1};
+    uint64_t now_ns = dmn_now_ns();
 
     pthread_mutex_lock(&gaze->lock);
-    gaze->has_view = orientation;
-    if (orientation) {
-        memcpy(gaze->view, orientation, sizeof(gaze->view));
-        gaze->view_fov[0] = fov_x;
-        gaze->view_fov[1] = fov_y;
+    gaze->has_view = view_or_null;
+    gaze->is_head = view_or_null && is_head;
+    if (view_or_null) gaze->view = *view_or_null;
+    if (gaze->attention) {
+        trk_attention_view(gaze->attention, view_or_null);
+        /* At once: an eye that rests on the screen now sees something else. After the end no time passes. */
+        if (decide(gaze, NULL, gaze->ended ? gaze->decided_ns : now_ns) && gaze->decision.moved)
+            gaze->aim.time_ns = now_ns;
     }
-    if (gaze->attention) trk_attention_view(gaze->attention, orientation ? orientation : forward);
     pthread_mutex_unlock(&gaze->lock);
 }
 

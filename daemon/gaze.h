@@ -58,8 +58,10 @@ bool dmn_gaze_has_next(struct dmn_gaze *gaze, uint64_t cursor);
 void dmn_gaze_freeze(struct dmn_gaze *gaze, bool frozen);
 /* Pass a gaze direction of a client to the source. Only the pointer takes it. */
 void dmn_gaze_push(struct dmn_gaze *gaze, const float direction[3]);
-/* Use a client's viewport instead of that of head or gaze; orientation NULL: no longer. */
-void dmn_gaze_view(struct dmn_gaze *gaze, const float orientation[4], float fov_x, float fov_y);
+/* The view of the client that steers; NULL: none does. It is the viewport, in place of that of head or gaze,
+ * and gaze at a screen goes through it. is_head: its orientation is a head pose, which is also that of an eye
+ * tracker in a headset that tells none. Not for the virtual clock. */
+void dmn_gaze_view(struct dmn_gaze *gaze, const struct trk_view *view_or_null, bool is_head);
 
 /* The eyes look at target now (unit, world; NULL: the view's centre): turn all gaze accordingly. The rotation
  * of an eye tracker is kept for the next start. out_text says what was done, or why not. */

@@ -35,6 +35,7 @@ static bool greet(struct dmn_client *client, const Fovea__Hello *hello, char out
     client->finest = dmn_pyramid_finest(&client->picture->pyramid, hello->widest);
     client->wants_gaze = hello->gaze;
     client->wants_stats = client->stats_due = hello->stats;
+    client->wants_viewing = hello->viewing;
     return client->greeted = client->welcome_due = true;
 }
 

@@ -8,19 +8,35 @@
 #include "paint.h"
 #include "requests.h"
 
+/* Take where on the screen a view is. A window may reach beyond the screen, but not far. */
+static bool take_screen(const Fovea__View *view, float out_screen[4])
+{
+    if (view->n_screen != 4) return false;
+    for (int i = 0; i < 4; i++)
+        if (!(fabsf(view->screen[i]) <= 100 && (i < 2 || view->screen[i] > 0))) return false;
+    memcpy(out_screen, view->screen, 4 * sizeof(*out_screen));
+    return true;
+}
+
 static bool take_view(struct dmn_client *client, Fovea__Message *message, char out_error[PRO_ERROR_SIZE])
 {
     const Fovea__View *view = message->view;
-    float q[4], square = 0;
+    struct trk_view shown = {.fov = {view->fov_x, view->fov_y}, .screen = {0, 0, 1, 1}};
+    float square = 0;
 
+    if (view->n_orientation == 0) {
+        dmn_client_show(client, NULL, false, false);
+        return true;
+    }
     if (view->n_orientation != 4) return dmn_client_fail(out_error, "a view without orientation");
     for (int i = 0; i < 4; i++) square += view->orientation[i] * view->orientation[i];
     if (!isfinite(square) || square < 1e-6f || !(view->fov_x > 0 && view->fov_x < (float)M_PI) ||
         !(view->fov_y > 0 && view->fov_y < (float)M_PI))
         return dmn_client_fail(out_error, "a view with an orientation or a field of view that cannot be");
-    for (int i = 0; i < 4; i++) q[i] = view->orientation[i] / sqrtf(square);
-    client->clients->view_owner = client->options.number;
-    dmn_gaze_view(client->handles->gaze, q, view->fov_x, view->fov_y);
+    for (int i = 0; i < 4; i++) shown.orientation[i] = view->orientation[i] / sqrtf(square);
+    if (view->n_screen != 0 && !take_screen(view, shown.screen))
+        return dmn_client_fail(out_error, "a view whose place on the screen cannot be");
+    dmn_client_show(client, &shown, view->headset, !view->unasked);
     return true;
 }
 

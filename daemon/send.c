@@ -158,6 +158,27 @@ static uint8_t *stats(struct dmn_client *client, size_t *out_count)
     return dmn_client_pack(client, FOVEA__MESSAGE__BODY_STATS, &stats, out_count);
 }
 
+static bool is_viewing_due(struct dmn_client *client)
+{
+    return client->wants_viewing && client->told != client->clients->steering.changes + 1;
+}
+
+static uint8_t *viewing(struct dmn_client *client, size_t *out_count)
+{
+    const struct dmn_steering *steering = &client->clients->steering;
+    Fovea__Viewing viewing = FOVEA__VIEWING__INIT;
+
+    client->told = steering->changes + 1;
+    if (steering->first) {
+        viewing.yours = steering->first == &client->shown;
+        viewing.who = (char *)steering->first->who;
+        viewing.headset = steering->first->headset;
+    } else if (client->handles->options->virtual_clock) {
+        viewing.who = "the virtual clock";
+    }
+    return dmn_client_pack(client, FOVEA__MESSAGE__BODY_VIEWING, &viewing, out_count);
+}
+
 static bool is_bye_due(struct dmn_client *client)
 {
     return client->bye_due;
@@ -182,11 +203,8 @@ struct event {
 };
 
 static const struct event EVENTS[] = {
-    {is_welcome_due, welcome, false},
-    {has_answer, answer, false},
-    {is_gaze_due, gaze, false},
-    {is_stats_due, stats, false},
-    {dmn_tile_is_due, dmn_tile_pack, false},
+    {is_welcome_due, welcome, false}, {has_answer, answer, false},  {is_viewing_due, viewing, false},
+    {is_gaze_due, gaze, false},       {is_stats_due, stats, false}, {dmn_tile_is_due, dmn_tile_pack, false},
     {is_bye_due, bye, true},
 };
 enum { KINDS = sizeof(EVENTS) / sizeof(*EVENTS) };

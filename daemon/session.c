@@ -23,6 +23,7 @@ struct dmn_client *dmn_session_create(const struct dmn_client_options *options)
     client->picture = options->clients->picture;
     snprintf(client->peer, sizeof(client->peer), "%s", options->peer);
     client->options.peer = client->peer;
+    client->shown.who = client->peer;
     client->clients->count++;
     return client;
 }
@@ -30,10 +31,7 @@ struct dmn_client *dmn_session_create(const struct dmn_client_options *options)
 void dmn_session_destroy(struct dmn_client *client)
 {
     if (!client) return;
-    if (client->clients->view_owner == client->options.number) {
-        client->clients->view_owner = 0;
-        dmn_gaze_view(client->handles->gaze, NULL, 0, 0);
-    }
+    dmn_client_show(client, NULL, false, false);
     client->clients->count--;
     if (client->held) fovea__message__free_unpacked(client->held, NULL);
     free(client->sent);

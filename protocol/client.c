@@ -237,6 +237,10 @@ static bool take(struct pro_client *client, const Fovea__Message *message, char 
     case FOVEA__MESSAGE__BODY_BYE:
         if (!welcomed) break;
         return true;
+    case FOVEA__MESSAGE__BODY_VIEWING:
+        if (!welcomed) break;
+        pro_clean(message->viewing->who);
+        return true;
     case FOVEA__MESSAGE__BODY_STATS:
         if (!welcomed) break;
         pro_clean(message->stats->gaze_source);

@@ -10,6 +10,7 @@
 #include "events.h"
 #include "filter.h"
 #include "gaze.h"
+#include "view.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -45,7 +46,12 @@ struct trk_attention {
     bool settling;                /* the eye has just reopened; its gaze is not trusted yet */
     uint64_t reopened_ns;         /* when the eye reopened, in device time */
 
-    versor view;
+    bool has_view;
+    struct trk_view view;
+    /* Gaze is a point on the screen with the view: the directions of classifier and filter are those from a
+     * desk (view.h). */
+    bool by_screen;
+    bool aims_by_screen; /* and so is live.direction */
     bool frozen;
     bool pinned;         /* the aim rests on a fixation */
     struct trk_aim live; /* what the aim is without freezing */
@@ -60,7 +66,6 @@ struct trk_attention *trk_attention_create(const struct trk_attention_options *o
     *a = (struct trk_attention){.options = *options, .speed = 1};
     trk_classifier_init(&a->classifier);
     glm_quat_identity(a->rotation);
-    glm_quat_identity(a->view);
     a->live = (struct trk_aim){.direction = {0, 0, -1}, .spread = 1, .state = TRK_FALLBACK};
     a->last = a->live;
     return a;
@@ -128,6 +133,7 @@ static void aim_at(struct trk_attention *a, const float world[3], const char *so
     bool rests = pins && a->pinned && trk_angle_deg(target, a->live.direction) <= zone_deg;
     if (!rests) memcpy(a->live.direction, target, sizeof target);
     a->pinned = pins;
+    a->aims_by_screen = a->by_screen;
     a->live.source = predicted ? "prediction" : source;
     a->live.state = c->state;
     a->live.why = rests                     ? "within the dead zone of a fixation"
@@ -139,13 +145,48 @@ static void aim_at(struct trk_attention *a, const float world[3], const char *so
                                             : "filtered, after a saccade";
 }
 
+static void view_centre(const struct trk_attention *a, float out[3])
+{
+    static const float forward[3] = {0, 0, -1};
+    if (a->has_sample && (a->sample.valid & TRK_HEAD) && !a->by_screen) {
+        trk_to_world(&a->sample, forward, out);
+        return;
+    }
+    vec3 direction = {0, 0, -1};
+    versor view = GLM_QUAT_IDENTITY_INIT;
+    if (a->has_view) memcpy(view, a->view.orientation, sizeof view);
+    glm_quat_rotatev(view, direction, direction);
+    memcpy(out, direction, sizeof direction);
+}
+
+/* Hold the aim while the eye looks beside the view: where it was in the view, if it was there before. */
+static void look_away(struct trk_attention *a)
+{
+    if (!a->aims_by_screen) view_centre(a, a->live.direction);
+    a->pinned = false;
+    a->live.state = a->classifier.state;
+    a->live.source = a->aims_by_screen ? "last gaze" : "view centre";
+    a->live.why = "the eye looks beside the view";
+}
+
+/* Does the eye look at the screen beside the view, in that direction from the desk? */
+static bool is_beside(const struct trk_attention *a, const float desk[3])
+{
+    float point[2];
+    trk_desk_point(desk, point);
+    return !trk_view_shows(&a->view, point);
+}
+
 static void see(struct trk_attention *a, const float head[3], const char *source)
 {
     const struct trk_sample *sample = &a->sample;
     const bool again = a->has_gaze && sample->device_ns == a->gaze_ns;
     const bool gap = a->has_gaze && sample->device_ns - a->gaze_ns >= TRK_BRIDGED_NS;
     float world[3];
-    trk_to_world(sample, head, world);
+    if (a->by_screen)
+        memcpy(world, head, sizeof world);
+    else
+        trk_to_world(sample, head, world);
     if (again) return; /* the device repeats a sample */
     if ((gap || a->lids_closed) && a->hidden && !a->options.silence_is_rest) {
         a->settling = true;
@@ -165,7 +206,18 @@ static void see(struct trk_attention *a, const float head[3], const char *source
         return;
     }
     a->live.spread = 1;
-    aim_at(a, world, source);
+    if (a->by_screen && is_beside(a, head))
+        look_away(a);
+    else
+        aim_at(a, world, source);
+}
+
+/* Choose the frame of the sample's gaze. Another one begins anew. */
+static void choose_frame(struct trk_attention *a)
+{
+    const bool by_screen = a->has_view && (a->sample.valid & TRK_SCREEN);
+    if (by_screen != a->by_screen) begin_anew(a);
+    a->by_screen = by_screen;
 }
 
 static void take(struct trk_attention *a, const struct trk_sample *sample, uint64_t now_ns)
@@ -186,6 +238,8 @@ static void take(struct trk_attention *a, const struct trk_sample *sample, uint6
     a->live.sensor_ns = sample->sensor_ns;
     a->live.arrival_ns = sample->arrival_ns;
     if (trk_gaze_direction(sample, head, &source)) {
+        choose_frame(a);
+        if (a->by_screen) trk_desk_direction(sample->screen, head);
         vec3 turned = {head[0], head[1], head[2]};
         glm_quat_rotatev(a->rotation, turned, turned);
         see(a, turned, source);
@@ -199,23 +253,10 @@ static void take(struct trk_attention *a, const struct trk_sample *sample, uint6
 
 /* --- without gaze --- */
 
-static void view_centre(const struct trk_attention *a, float out[3])
-{
-    static const float forward[3] = {0, 0, -1};
-    if (a->has_sample && (a->sample.valid & TRK_HEAD)) {
-        trk_to_world(&a->sample, forward, out);
-        return;
-    }
-    vec3 direction = {0, 0, -1};
-    versor view;
-    glm_quat_copy((float *)a->view, view);
-    glm_quat_rotatev(view, direction, direction);
-    memcpy(out, direction, sizeof direction);
-}
-
 static void give_up(struct trk_attention *a, const char *why)
 {
     view_centre(a, a->live.direction);
+    a->aims_by_screen = false;
     a->live.state = TRK_FALLBACK;
     a->live.source = "view centre";
     a->live.why = why;
@@ -266,12 +307,23 @@ static void pass_time(struct trk_attention *a, uint64_t now_ns)
 
 /* --- the answer --- */
 
+/* The aim, in the world. */
+static void aim_in_world(const struct trk_attention *a, float out_world[3])
+{
+    float point[2];
+    memcpy(out_world, a->live.direction, sizeof a->live.direction);
+    if (!a->aims_by_screen) return;
+    trk_desk_point(a->live.direction, point);
+    trk_view_nearest(&a->view, point, out_world);
+}
+
 void trk_attend(struct trk_attention *a, const struct trk_sample *sample_or_null, uint64_t now_ns,
                 struct trk_aim *out_aim)
 {
     if (sample_or_null) take(a, sample_or_null, now_ns);
     pass_time(a, now_ns);
     struct trk_aim aim = a->live;
+    aim_in_world(a, aim.direction);
     if (a->frozen) {
         memcpy(aim.direction, a->last.direction, sizeof aim.direction);
         aim.spread = a->last.spread;
@@ -296,10 +348,18 @@ void trk_attention_pace(struct trk_attention *attention, double speed)
     attention->speed = speed;
 }
 
-void trk_attention_view(struct trk_attention *attention, const float orientation[4])
+void trk_attention_view(struct trk_attention *a, const struct trk_view *view_or_null)
 {
-    memcpy(attention->view, orientation, sizeof attention->view);
-    glm_quat_normalize(attention->view);
+    a->has_view = view_or_null;
+    if (view_or_null) {
+        a->view = *view_or_null;
+        return;
+    }
+    float world[3];
+    aim_in_world(a, world);
+    memcpy(a->live.direction, world, sizeof world);
+    if (a->by_screen) begin_anew(a);
+    a->by_screen = a->aims_by_screen = false;
 }
 
 /* --- recentring --- */
@@ -335,9 +395,24 @@ static void to_head(const struct trk_attention *a, const float world[3], vec3 ou
     glm_vec3_normalize_to(direction, out_head);
 }
 
+/* Into the frame of the gaze before it is recentred: that of the desk, or of the head. False: from the desk
+ * the direction is not to be seen. */
+static bool to_gaze(const struct trk_attention *a, const float world[3], vec3 out)
+{
+    float point[2];
+    if (!a->by_screen) {
+        to_head(a, world, out);
+        return true;
+    }
+    if (!trk_view_point(&a->view, world, point)) return false;
+    trk_desk_direction(point, out);
+    return true;
+}
+
 bool trk_recentre(struct trk_attention *a, const float *target_or_null, char out_error[TRK_ERROR_SIZE])
 {
-    const bool rests = a->has_gaze && !a->hidden && !a->settling && a->classifier.state == TRK_FIXATION &&
+    const bool rests = a->has_gaze && a->filter.count > 0 && !a->hidden && !a->settling &&
+                       a->classifier.state == TRK_FIXATION &&
                        a->gaze_ns - a->classifier.since_ns >= TRK_LEAST_FIXATION_NS;
     if (!rests)
         return trk_fail(out_error,
@@ -347,8 +422,12 @@ bool trk_recentre(struct trk_attention *a, const float *target_or_null, char out
     vec3 from, to;
     versor back, rotation;
     view_centre(a, centre);
-    to_head(a, target_or_null ? target_or_null : centre, to);
-    to_head(a, a->filter.value, from);
+    if (!to_gaze(a, target_or_null ? target_or_null : centre, to))
+        return trk_fail(out_error, "recentre: the target is not in the view");
+    if (a->by_screen)
+        memcpy(from, a->filter.value, sizeof from);
+    else
+        to_head(a, a->filter.value, from);
     glm_quat_conjugate(a->rotation, back);
     glm_quat_rotatev(back, from, from);
     glm_quat_from_vecs(from, to, rotation);

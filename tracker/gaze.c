@@ -88,6 +88,16 @@ bool trk_lids_closed(const struct trk_sample *sample, bool *out_known)
     return *out_known && closed;
 }
 
+void trk_drop_head(struct trk_sample *sample)
+{
+    if (!(sample->valid & TRK_HEAD)) return;
+    if (sample->valid & TRK_DIRECTION) trk_to_world(sample, sample->direction, sample->direction);
+    for (int eye = 0; eye < 2; eye++)
+        if (sample->valid & TRK_LEFT_DIRECTION << 4 * eye)
+            trk_to_world(sample, sample->eye[eye].direction, sample->eye[eye].direction);
+    sample->valid &= ~(uint32_t)(TRK_HEAD | TRK_ORIGIN | TRK_LEFT_ORIGIN | TRK_RIGHT_ORIGIN);
+}
+
 bool trk_world_direction(const struct trk_sample *sample, float out_world[3])
 {
     float head[3];

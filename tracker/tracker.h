@@ -75,6 +75,24 @@ bool trk_gaze_direction(const struct trk_sample *sample, float out_head[3], cons
 /* The same in the world frame: turned by the head pose if the sample has one. */
 bool trk_world_direction(const struct trk_sample *sample, float out_world[3]);
 
+/* For gaze at a screen. Its head pose says where the head is before the screen, and nothing of what the
+ * screen shows. Turn the sample's directions by the head pose, into the frame in which the screen is straight
+ * ahead, and drop the pose, and the origins. */
+void trk_drop_head(struct trk_sample *sample);
+
+/* --- views --- */
+
+/* What somebody is shown: a view into the panorama, and where it is on the screen. */
+struct trk_view {
+    float orientation[4]; /* x y z w, view to world; unit */
+    float fov[2];         /* horizontal and vertical field of view, rad, above 0 and below pi */
+    float screen[4];      /* left, top, width and height, shares of the screen's from its top left corner */
+};
+
+/* The direction (unit, world) that a view shows at a point of the screen (shares of its width and height,
+ * from its top left corner). False, with out_world left alone, if the point is beside the view. */
+bool trk_view_direction(const struct trk_view *view, const float point[2], float out_world[3]);
+
 /* --- logs --- */
 
 /* A recorded log. All its samples are in memory, packed; trk_log_sample() unpacks one. They are in the order
@@ -248,6 +266,7 @@ struct trk_status {
     bool has_clock;       /* it stamps its samples; then: */
     double jitter_ms;     /* standard deviation of their delay */
     double drift_ppm;     /* how much faster than ours its clock runs */
+    bool on_screen;       /* gaze is at a screen: trk_drop_head() */
 };
 
 /* Any thread may call this while another one reads. */
@@ -370,17 +389,23 @@ void trk_attention_freeze(struct trk_attention *attention, bool frozen);
 /* How fast device_ns goes relative to now_ns (trk_status.speed): 1 to begin with; 0: samples have no pace. */
 void trk_attention_pace(struct trk_attention *attention, double speed);
 
-/* The orientation of the view (x, y, z, w; view to world). Its centre is used while samples have no head
- * pose.
- */
-void trk_attention_view(struct trk_attention *attention, const float orientation[4]);
+/* The view that is shown now; NULL: none is known. Its centre is used while samples have no head pose.
+ *
+ * Gaze at a screen (TRK_SCREEN) goes through it: the aim is the direction that the view shows at that point.
+ * The eye's movements are those on the screen: when the view turns, the aim turns with it, and that is no
+ * saccade. While the eye looks beside the view, the aim stays where it was in the view. Without a view, gaze
+ * at a screen is what trk_gaze_direction() tells: the screen is then a window into the world, seen at its true
+ * angle. */
+void trk_attention_view(struct trk_attention *attention, const struct trk_view *view_or_null);
 
 /* --- recentring --- */
 
 /* Correct the gaze of a headset that has slipped: the eyes look at target now (unit, world; NULL: the view's
  * centre). From now on all gaze is turned, in the head frame, by the rotation that takes the measured gaze
- * there. It replaces the former rotation. False with a line in out_error, and nothing is changed, if gaze
- * does not rest or the rotation would be larger than 20 degrees. */
+ * there. Gaze at a screen is turned in the screen's frame instead, before it goes through the view. It
+ * replaces the former rotation. False with a line in out_error, and nothing is changed, if gaze does not rest,
+ * if gaze goes through a view that does not show the target, or if the rotation would be larger than 20
+ * degrees. */
 bool trk_recentre(struct trk_attention *attention, const float *target_or_null,
                   char out_error[TRK_ERROR_SIZE]);
 /* The rotation in use (x, y, z, w), identity without one. */

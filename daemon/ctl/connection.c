@@ -20,6 +20,7 @@ struct pro_client *ctl_connect(const struct ctl *ctl, Fovea__Encoding tiles, boo
     hello.tiles = tiles;
     hello.gaze = gaze;
     hello.stats = stats;
+    hello.viewing = true;
     if (token) hello.token = (char *)token;
     client = pro_connect(&address, &hello, (int)(patience_s * 1000), ctl->wait, error);
     if (!client) ctl_fail("%s", error);

@@ -21,6 +21,8 @@ struct ctl {
     double settle, within;
     bool has_view, view_gaze; /* view_gaze: the view's middle is the gaze */
     double view[3];           /* yaw, pitch, horizontal field of view: deg */
+    bool has_at;
+    double at[4]; /* left, top, width and height of the view, shares of the screen's */
     int width, height;
     bool exposure_auto;
     double exposure; /* stops */
@@ -40,6 +42,7 @@ struct ctl {
     ROW(ctl_freeze)                                                                                          \
     ROW(ctl_unfreeze)                                                                                        \
     ROW(ctl_look)                                                                                            \
+    ROW(ctl_view)                                                                                            \
     ROW(ctl_move)                                                                                            \
     ROW(ctl_save)                                                                                            \
     ROW(ctl_record)                                                                                          \

@@ -35,6 +35,16 @@ static bool take_view(const struct dmn_option *option, const char *text, void *v
            ctl->view[1] <= 90;
 }
 
+static bool take_at(const struct dmn_option *option, const char *text, void *values, char *out_error)
+{
+    struct ctl *ctl = values;
+
+    (void)option, (void)out_error;
+    ctl->has_at = dmn_parse_numbers(text, 4, ctl->at) && ctl->at[2] > 0 && ctl->at[3] > 0;
+    for (int i = 0; i < 4; i++) ctl->has_at = ctl->has_at && fabs(ctl->at[i]) <= 100;
+    return ctl->has_at;
+}
+
 static bool take_size(const struct dmn_option *option, const char *text, void *values, char *out_error)
 {
     struct ctl *ctl = values;
@@ -85,7 +95,8 @@ static const struct dmn_option ROWS[] = {
     {.name = "for",
      .argument = "SECONDS",
      .help =
-         "end after so long; default: watch ends with the daemon or at Ctrl-C, a recording at record --stop",
+         "end after so long; default: watch and view end with the daemon or at Ctrl-C, a recording at record "
+         "--stop",
      INTO(seconds),
      .number = {.low = 0, .high = 1e7, .unit = "seconds"},
      .excludes = "stop"},
@@ -98,6 +109,12 @@ static const struct dmn_option ROWS[] = {
              "view; or gaze,FOV: what lies where the gaze is",
      .take = take_view,
      .wants = "YAW,PITCH,FOV or gaze,FOV in degrees"},
+    {.name = "at",
+     .argument = "LEFT,TOP,WIDTH,HEIGHT",
+     .help = "where the view is on the eye tracker's screen, as shares of the screen's width and height; "
+             "default: it fills the screen",
+     .take = take_at,
+     .wants = "LEFT,TOP,WIDTH,HEIGHT, width and height above 0 and none beyond 100"},
     {.name = "size",
      .argument = "WxH",
      .help = "pixels of the view; default: 1280x1280",

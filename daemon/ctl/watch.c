@@ -42,6 +42,7 @@ struct watch {
     char scene[1024], refused[RND_ERROR_SIZE];
     float direction[3], spread, camera[3];
     char state[32], source[32], why[80];
+    char viewer[128];                /* whose view steers; "": nobody's */
     uint64_t states[TRK_FROZEN + 1]; /* number of Gaze messages with each state */
 
     uint64_t tiles, bytes;             /* in all */
@@ -116,6 +117,9 @@ static void take(struct watch *watch, const Fovea__Message *message)
     case FOVEA__MESSAGE__BODY_STATS:
         take_stats(watch, message->stats);
         break;
+    case FOVEA__MESSAGE__BODY_VIEWING:
+        snprintf(watch->viewer, sizeof(watch->viewer), "%s", message->viewing->who);
+        break;
     case FOVEA__MESSAGE__BODY_BYE:
         watch->ended = true;
         break;
@@ -188,6 +192,7 @@ static void draw_gaze(struct watch *watch)
     if (watch->has_gaze)
         row(watch, "          by %s: %s; fovea %.1f times as wide", watch->source, watch->why, watch->spread);
     row(watch, "          %s", watch->gaze_source);
+    if (*watch->viewer) row(watch, "view      of %s", watch->viewer);
     if (watch->has_tracker) {
         ctl_tracker_line(&watch->tracker, text, sizeof(text));
         row(watch, "          %s", text);
@@ -287,7 +292,7 @@ static void print_json(const struct watch *watch, double seconds)
     pro_clock(watch->client, &round_trip_ns, &offset_ns);
     object = json_pack(
         "{s:f, s:s, s:s, s:o, s:I, s:s, s:s, s:[I,I], s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:b, "
-        "s:b, s:[f,f], s:s, s:s, s:s, s:f, s:o, s:o, s:s, s:I, s:I, s:s, s:I, s:I, "
+        "s:b, s:[f,f], s:s, s:s, s:s, s:f, s:o, s:s, s:o, s:s, s:I, s:I, s:s, s:I, s:I, "
         "s:f, s:f, s:f, s:o}",
         "seconds", seconds, "scene", watch->has_stats ? watch->scene : welcome->scene, "refused",
         watch->refused, "camera", ctl_camera_json(watch->camera, watch->stats.n_camera), "generation",
@@ -299,7 +304,7 @@ static void print_json(const struct watch *watch, double seconds)
         (json_int_t)s->tiles_settled, "gaze_samples", (json_int_t)s->gaze_samples, "gaze_valid",
         (json_int_t)s->gaze_valid, "frozen", s->frozen, "finished", s->finished, "gaze_deg", yaw, pitch,
         "state", watch->state, "source", watch->source, "why", watch->why, "spread", (double)watch->spread,
-        "states", states_json(watch), "tracker",
+        "states", states_json(watch), "viewer", watch->viewer, "tracker",
         ctl_tracker_json(watch->has_tracker ? &watch->tracker : NULL), "recording", watch->recording,
         "recorded", (json_int_t)s->recorded, "recording_lost", (json_int_t)s->recording_lost,
         "recording_error", watch->recording_error, "tiles_received", (json_int_t)watch->tiles,

@@ -5,7 +5,7 @@ import { pack, unpack } from './messages.js';
 const RGB9E5 = 3, AGAIN_MS = 1000, MOST_AGAIN_MS = 30000, PING_MS = 1000, SILENT_MS = 5000;
 
 export class Connection {
-  // on: functions Welcome, Tile, Gaze, Stats, Done by message, and status(text), where '' means that all is well.
+  // on: functions Welcome, Tile, Gaze, Stats, Viewing, Done by message, and status(text), where '' means that all is well.
   // widest: the widest level that the GPU can hold, pixels.
   constructor(on, widest) {
     this.on = on;
@@ -29,7 +29,7 @@ export class Connection {
     this.heardMs = performance.now();
     this.socket = new WebSocket(location.href.replace(/^http/, 'ws').replace(/#.*/, ''), 'fovea');
     this.socket.binaryType = 'arraybuffer';
-    this.socket.onopen = () => this.send('Hello', { version: 1, client: 'web page', tiles: RGB9E5, window: 256, gaze: true, stats: true, token: this.token(), widest: this.widest });
+    this.socket.onopen = () => this.send('Hello', { version: 1, client: 'web page', tiles: RGB9E5, window: 256, gaze: true, stats: true, viewing: true, token: this.token(), widest: this.widest });
     this.socket.onmessage = (event) => this.take(event.data);
     this.socket.onclose = () => {
       this.acknowledged = this.serial = 0;

@@ -5,7 +5,7 @@ export async function isThere() {
 }
 
 // Enter a session, which draws picture until it ends. onFrame is called when a frame has been drawn;
-// onView gets its [orientation, fovX, fovY].
+// onView gets its View.
 export async function enter(picture, onView, onFrame, onEnd) {
   const gl = picture.gl, session = await navigator.xr.requestSession('immersive-vr');
   await gl.makeXRCompatible();
@@ -23,7 +23,7 @@ export async function enter(picture, onView, onFrame, onEnd) {
     }
     onFrame();
     const { x, y, z, w } = pose.transform.orientation, p = pose.views[0].projectionMatrix;
-    onView([[x, y, z, w], 2 * Math.atan(1 / p[0]), 2 * Math.atan(1 / p[5])]);
+    onView({ orientation: [x, y, z, w], fovX: 2 * Math.atan(1 / p[0]), fovY: 2 * Math.atan(1 / p[5]), headset: true });
   };
   session.addEventListener('end', () => {
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);

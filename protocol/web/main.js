@@ -5,7 +5,7 @@ import { Connection } from './connection.js';
 import { enter, isThere } from './headset.js';
 import { Picture } from './picture.js';
 import { Times } from './times.js';
-import { View } from './view.js';
+import { onScreen, View } from './view.js';
 
 const at = (id) => document.getElementById(id);
 const canvas = at('view'), view = new View();
@@ -18,6 +18,7 @@ const VIEW_MS = 40, POINTER_MS = 8, MOVE_M = 0.25, LOOK = 0.08;
 
 let picture = null, headset = null, pointed = false, frozen = false;
 let isStale = true; // the canvas does not show what it should
+let asks = false; // the user has turned the view: it asks to steer
 let sentView = '', sentViewMs = 0, sentPointerMs = 0;
 
 function say(text) {
@@ -77,6 +78,10 @@ const connection = picture && new Connection({
     isStale ||= picture.trail || picture.rings;
   },
   Stats: takeStats,
+  Viewing({ yours, who, headset }) {
+    at('steers').textContent = yours ? 'This page steers the view.' : !who ? 'No view steers.'
+      : headset ? 'A headset steers the view: ' + who : 'Another client steers the view: ' + who;
+  },
   Done(done) {
     say(done.text);
     setTimeout(() => at('status').textContent === done.text && say(''), 4000);
@@ -102,12 +107,18 @@ function draw() {
   picture.draw(view.toWorld(aspect()));
 }
 
-function tell([orientation, fovX, fovY]) {
-  const text = [orientation, fovX, fovY].join(), now = performance.now();
-  if (text === sentView || now - sentViewMs < VIEW_MS) return;
-  sentView = text;
+// A view that no hand has turned does not ask to steer; a hidden page shows none.
+function tell(shown) {
+  const text = JSON.stringify(shown) + asks, now = performance.now();
+  if (text === sentView || now - sentViewMs < (shown.headset ? POINTER_MS : VIEW_MS)) return;
+  sentView = JSON.stringify(shown) + false;
   sentViewMs = now;
-  connection.send('View', { orientation, fovX, fovY });
+  connection.send('View', { ...shown, unasked: !asks });
+  asks = false;
+}
+
+function turned() {
+  isStale = asks = true;
 }
 
 function frame() {
@@ -122,7 +133,7 @@ function frame() {
   }
   if (connection.isOpen && picture.finest) {
     const [x, y] = view.halves(aspect());
-    tell([view.orientation, 2 * Math.atan(x), 2 * Math.atan(y)]);
+    tell({ orientation: view.orientation, fovX: 2 * Math.atan(x), fovY: 2 * Math.atan(y), screen: onScreen(canvas) });
   }
   if (isStale || picture.isFading) draw();
   isStale = false;
@@ -136,7 +147,7 @@ const fingers = new Map();
 function turnBy(dx, dy) {
   const [x, y] = view.halves(aspect());
   view.turn(-2 * x * dx / canvas.clientWidth, 2 * y * dy / canvas.clientHeight);
-  isStale = true;
+  turned();
 }
 
 function point(event) {
@@ -158,7 +169,7 @@ canvas.addEventListener('pointermove', (event) => {
   if (fingers.size === 2) {
     const [other] = [...fingers].filter(([id]) => id !== event.pointerId).map(([, place]) => place);
     view.zoom(Math.hypot(before[0] - other[0], before[1] - other[1]) / Math.max(1, Math.hypot(now[0] - other[0], now[1] - other[1])));
-    isStale = true;
+    turned();
   } else {
     turnBy(now[0] - before[0], now[1] - before[1]);
   }
@@ -168,7 +179,7 @@ for (const name of ['pointerup', 'pointercancel']) canvas.addEventListener(name,
 canvas.addEventListener('wheel', (event) => {
   event.preventDefault();
   view.zoom(Math.exp(event.deltaY * 0.001));
-  isStale = true;
+  turned();
 }, { passive: false });
 
 // --- controls, each of them by a key too
@@ -211,9 +222,9 @@ const freeze = () => {
   connection.send('Freeze', { frozen });
 };
 const recentre = () => connection.send('Recentre', { request: 2 });
-const lookAhead = () => { view.yaw = view.pitch = 0; isStale = true; };
-const look = (x, y) => { view.turn(x * LOOK * view.fov, y * LOOK * view.fov); isStale = true; };
-const zoom = (factor) => { view.zoom(factor); isStale = true; };
+const lookAhead = () => { view.yaw = view.pitch = 0; turned(); };
+const look = (x, y) => { view.turn(x * LOOK * view.fov, y * LOOK * view.fov); turned(); };
+const zoom = (factor) => { view.zoom(factor); turned(); };
 const KEYS = {
   ArrowLeft: () => look(-1, 0), ArrowRight: () => look(1, 0), ArrowUp: () => look(0, 1), ArrowDown: () => look(0, -1),
   '+': () => zoom(0.9), '=': () => zoom(0.9), '-': () => zoom(1 / 0.9), Home: lookAhead,
@@ -268,7 +279,12 @@ at('headset').onclick = async () => {
 };
 
 if (picture) frame();
-addEventListener('visibilitychange', () => times?.pause());
+addEventListener('visibilitychange', () => {
+  times?.pause();
+  if (!document.hidden || headset) return;
+  sentView = '';
+  connection?.send('View', {}); // a hidden page shows nothing
+});
 canvas.addEventListener('webglcontextlost', (event) => {
   event.preventDefault();
   say('The GPU has dropped the picture. Waiting for it.');

@@ -2,8 +2,8 @@
 
 // kind: u number, b truth, s text, y bytes, f float, d double, F floats, or the name of a message.
 const SCHEMA = {
-  Hello: { version: [1, 'u'], client: [2, 's'], tiles: [3, 'u'], window: [4, 'u'], gaze: [5, 'b'], stats: [6, 'b'], token: [7, 's'], widest: [8, 'u'] },
-  View: { orientation: [1, 'F'], fovX: [2, 'f'], fovY: [3, 'f'] },
+  Hello: { version: [1, 'u'], client: [2, 's'], tiles: [3, 'u'], window: [4, 'u'], gaze: [5, 'b'], stats: [6, 'b'], token: [7, 's'], widest: [8, 'u'], viewing: [9, 'b'] },
+  View: { orientation: [1, 'F'], fovX: [2, 'f'], fovY: [3, 'f'], headset: [4, 'b'], screen: [5, 'F'], unasked: [6, 'b'] },
   Pointer: { direction: [1, 'F'] },
   Freeze: { frozen: [1, 'b'] },
   Acknowledge: { serial: [1, 'u'] },
@@ -17,7 +17,8 @@ const SCHEMA = {
   Done: { request: [1, 'u'], ok: [2, 'b'], text: [3, 's'] },
   Pong: { clientNs: [1, 'u'], daemonNs: [2, 'u'] },
   Bye: {},
-  Message: { Hello: [1, 'Hello'], View: [2, 'View'], Pointer: [3, 'Pointer'], Freeze: [4, 'Freeze'], Acknowledge: [5, 'Acknowledge'], Ping: [7, 'Ping'], Recentre: [8, 'Recentre'], Move: [10, 'Move'], Welcome: [16, 'Welcome'], Tile: [17, 'Tile'], Gaze: [18, 'Gaze'], Stats: [19, 'Stats'], Done: [20, 'Done'], Pong: [21, 'Pong'], Bye: [22, 'Bye'] },
+  Viewing: { yours: [1, 'b'], who: [2, 's'], headset: [3, 'b'] },
+  Message: { Hello: [1, 'Hello'], View: [2, 'View'], Pointer: [3, 'Pointer'], Freeze: [4, 'Freeze'], Acknowledge: [5, 'Acknowledge'], Ping: [7, 'Ping'], Recentre: [8, 'Recentre'], Move: [10, 'Move'], Welcome: [16, 'Welcome'], Tile: [17, 'Tile'], Gaze: [18, 'Gaze'], Stats: [19, 'Stats'], Done: [20, 'Done'], Pong: [21, 'Pong'], Bye: [22, 'Bye'], Viewing: [23, 'Viewing'] },
 };
 const FIELDS = {};
 for (const [name, fields] of Object.entries(SCHEMA))

@@ -42,6 +42,18 @@ export class View {
   }
 }
 
+// Where a canvas is on the screen: left, top, width and height, as shares of the screen's; [] where that is not known.
+// Exact in full screen. Else the window's frame is taken to be equally wide at the left, the right and the bottom; if the
+// inside is much narrower than the window, the page is zoomed. Chromium does not tell where one of several screens begins.
+export function onScreen(canvas) {
+  const box = canvas.getBoundingClientRect();
+  if (matchMedia('(display-mode: fullscreen)').matches) return [box.left / innerWidth, box.top / innerHeight, box.width / innerWidth, box.height / innerHeight];
+  if (!outerWidth || !screen.width || !screen.height || screen.isExtended) return [];
+  const scale = outerWidth - innerWidth > 32 ? outerWidth / innerWidth : 1, frame = (outerWidth - innerWidth * scale) / 2;
+  const left = screenX - (screen.left ?? 0) + frame, top = screenY - (screen.top ?? 0) + outerHeight - frame - innerHeight * scale;
+  return [(left + box.left * scale) / screen.width, (top + box.top * scale) / screen.height, box.width * scale / screen.width, box.height * scale / screen.height];
+}
+
 // A vector turned by a unit quaternion.
 export function rotate([x, y, z, w], [a, b, c]) {
   const tx = 2 * (y * c - z * b), ty = 2 * (z * a - x * c), tz = 2 * (x * b - y * a);

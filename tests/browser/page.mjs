@@ -304,6 +304,7 @@ async function headset(port) {
     setTimeout(() => done(seen.size), 2000);
   }));
   check(drawn === 2, `${drawn} eyes are drawn`);
+  await until('a word on who steers', async () => (await page.textContent('#steers')) === 'This page steers the view.');
   check(!page.failed, 'the page has an error: ' + page.failed);
   await page.close();
   await stop();

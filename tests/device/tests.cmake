@@ -14,7 +14,7 @@ if(UMOCKDEV_FOUND)
   target_link_libraries(device_latency PRIVATE fake tracker renderer m)
   add_dependencies(device_latency fovead-reader)
 endif()
-foreach(name hid psvr2 auto list conformance fovead leak latency)
+foreach(name hid psvr2 auto list conformance fovead views leak latency)
   add_test(NAME device_${name}
            COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/device/umockdev.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR} ${name})
   set_tests_properties(device_${name} PROPERTIES LABELS "device" SKIP_RETURN_CODE 77)

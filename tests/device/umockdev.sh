@@ -164,6 +164,43 @@ END
     run run said:'fovead: ready' hid -- $watched hid 1 "$source"
     run garbage -- "$programs/fovead" --scene room.obj --size 256 --gaze auto --until 2s --json
     ;;
+views)
+    # Gaze of a tracker on a desk goes through the view; that of a headset's tracker turns with the headset that steers,
+    # and is recorded with its pose.
+    make_room
+    cat >viewed.sh <<'END'
+set -eu
+programs=$1 spec=$2 kind=$3 from=$4 to=$5
+fail() { echo "$*" >&2; exit 1; }
+. "$6/tests/room.sh"
+"$programs/fovead" --scene room.obj --size 256 --gaze "$spec" &
+daemon=$!
+aims() {
+    kill -0 $daemon || fail 'the daemon has gone'
+    "$programs/foveactl" --wait watch --for 0.5 --json >watch.json
+    grep -A 1 '"gaze_deg"' watch.json | tail -n 1 | awk -v from="$1" -v to="$2" '{exit !($1 + 0 > from && $1 + 0 < to)}'
+}
+await 'an aim without a view' aims "$from" "$to"
+mkfifo shown
+"$programs/e2e_viewer" "unix:$XDG_RUNTIME_DIR/fovead.sock" "$kind" 90 <shown >viewer.out &
+viewer=$!
+exec 7>shown
+await 'an aim in the view' aims $((from + 90)) $((to + 90))
+"$programs/foveactl" record kept.gaze --for 0.5
+exec 7>&-
+wait $viewer
+await 'an aim without the view' aims "$from" "$to"
+kill $daemon
+wait $daemon
+END
+    export XDG_RUNTIME_DIR="$place"
+    has_bit() { awk -v bit="$1" 'NR > 2 && int($4 / bit) % 2 {found++} END {exit !found}' kept.gaze || fail "$2"; }
+    run psvr2 -- sh viewed.sh "$programs" psvr2 headset 36 38 "$source"
+    has_bit 4 "recorded without the headset's pose"
+    rm shown kept.gaze
+    run hid -- sh viewed.sh "$programs" hid window -20 20 "$source"
+    has_bit 8 'recorded without points on the screen'
+    ;;
 leak)
     # Plug in and out 12 times, or as often as CYCLES says. No plugging is missed, descriptors and threads are as
     # before, and from the middle to the end the heap does not grow by more than allocators keep for themselves.

@@ -166,18 +166,32 @@ static int flood(int fd)
     return 0;
 }
 
+/* A view that has no orientation, or a place on the screen of three numbers, of no area, or out of reach. */
+static void wrong_view(int fd, const char *how)
+{
+    Fovea__View view = FOVEA__VIEW__INIT;
+    float nothing[4] = {0, 0, 0, 0}, ahead[4] = {0, 0, 0, 1}, far[4] = {3e38f, 0, 1, 1};
+
+    view.n_orientation = 4;
+    view.orientation = !strcmp(how, "view") ? nothing : ahead;
+    view.fov_x = view.fov_y = 1;
+    view.n_screen = !strcmp(how, "view") ? 0 : !strcmp(how, "view-corner") ? 3 : 4;
+    view.screen = !strcmp(how, "view-far") ? far : nothing;
+    hello(fd, FOVEA__ENCODING__ENCODING_NONE, PRO_VERSION);
+    say(fd, FOVEA__MESSAGE__BODY_VIEW, &view);
+}
+
 static int wrong(int fd, const char *how)
 {
     Fovea__Acknowledge acknowledge = FOVEA__ACKNOWLEDGE__INIT;
     Fovea__Welcome welcome = FOVEA__WELCOME__INIT;
-    Fovea__View view = FOVEA__VIEW__INIT;
     Fovea__Recentre recentre = FOVEA__RECENTRE__INIT;
     Fovea__Move move = FOVEA__MOVE__INIT;
     float nothing[4] = {0, 0, 0, 0}, camera[3] = {0, 1.6f, !strcmp(how, "nan") ? NAN : 3e38f};
 
     if (!strcmp(how, "version")) hello(fd, FOVEA__ENCODING__ENCODING_NONE, 99);
     if (!strcmp(how, "encoding")) hello(fd, (Fovea__Encoding)77, PRO_VERSION);
-    if (!strcmp(how, "half") || !strcmp(how, "serial") || !strcmp(how, "welcome") || !strcmp(how, "view") ||
+    if (!strcmp(how, "half") || !strcmp(how, "serial") || !strcmp(how, "welcome") ||
         !strcmp(how, "recentre") || !strcmp(how, "nowhere") || !strcmp(how, "nan") || !strcmp(how, "far") ||
         !strcmp(how, "flat"))
         hello(fd, FOVEA__ENCODING__ENCODING_NONE, PRO_VERSION);
@@ -185,10 +199,7 @@ static int wrong(int fd, const char *how)
     if (!strcmp(how, "serial") || !strcmp(how, "early"))
         say(fd, FOVEA__MESSAGE__BODY_ACKNOWLEDGE, &acknowledge);
     if (!strcmp(how, "welcome")) say(fd, FOVEA__MESSAGE__BODY_WELCOME, &welcome);
-    view.n_orientation = 4;
-    view.orientation = nothing;
-    view.fov_x = view.fov_y = 1;
-    if (!strcmp(how, "view")) say(fd, FOVEA__MESSAGE__BODY_VIEW, &view);
+    if (!strncmp(how, "view", 4)) wrong_view(fd, how);
     recentre.direction = nothing;
     recentre.n_direction = !strcmp(how, "recentre") ? 4 : 3;
     if (!strcmp(how, "recentre") || !strcmp(how, "nowhere"))

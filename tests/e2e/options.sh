@@ -49,6 +49,7 @@ nowhere stats --json
 nowhere freeze
 nowhere unfreeze
 nowhere look -30,10
+nowhere view -90,0,90,60 --at 0,-0.1,.5,1 --for 1
 nowhere move --by -1,2,-.5 --json
 nowhere save a.exr
 nowhere record a.gaze --for 0.5 --replace

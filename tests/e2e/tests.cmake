@@ -1,8 +1,8 @@
 # End-to-end tests: scripts that run the real programs, and small programs for what scripts cannot do.
-foreach(program compare exact fake_tev false_daemon golden hostile mean moves notified picture port same_channels)
+foreach(program compare exact fake_tev false_daemon golden hostile mean moves notified picture port same_channels viewer)
   add_executable(e2e_${program} e2e/${program}.c)
 endforeach()
-foreach(program false_daemon hostile moves)
+foreach(program false_daemon hostile moves viewer)
   target_link_libraries(e2e_${program} PRIVATE protocol m)
 endforeach()
 foreach(program compare mean picture same_channels)
@@ -12,7 +12,7 @@ target_link_libraries(e2e_exact PRIVATE protocol renderer m)
 target_link_libraries(e2e_golden PRIVATE daemon)
 
 foreach(name access attention bad_input client compare disk exact files hostile libraries move options record saves shutdown steer streams tev
-        tracker until virtual)
+        tracker until views virtual)
   add_test(NAME e2e_${name} COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/e2e/${name}.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
   set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" SKIP_RETURN_CODE 77)
 endforeach()
@@ -21,7 +21,7 @@ foreach(name tls web)
   set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" SKIP_RETURN_CODE 77)
 endforeach()
 # Tests with clients and threads at once, which the thread sanitizer runs too.
-set_tests_properties(e2e_attention e2e_hostile e2e_move e2e_record e2e_shutdown e2e_steer e2e_tev e2e_virtual e2e_web PROPERTIES LABELS "e2e;threads")
+set_tests_properties(e2e_attention e2e_hostile e2e_move e2e_record e2e_shutdown e2e_steer e2e_tev e2e_views e2e_virtual e2e_web PROPERTIES LABELS "e2e;threads")
 
 # What a new user types first, real scenes, and many small ones. They take long, so they run only in one build.
 if(NOT SANITIZE)

@@ -8,9 +8,9 @@ static void before_the_first_gaze(void **state)
     is(TRK_FALLBACK, "view centre");
     aims_at(0, 1e-3);
     assert_true(gaze.spread == 4 && gaze.sequence == 0);
-    versor view;
-    glm_quatv(view, (float)(-M_PI / 2), GLM_YUP); /* to the right */
-    trk_attention_view(attention, view);
+    const struct trk_view right = {
+        .orientation = {0, -(float)M_SQRT1_2, 0, (float)M_SQRT1_2}, .fov = {1, 1}, .screen = {0, 0, 1, 1}};
+    trk_attention_view(attention, &right);
     trk_attend(attention, NULL, 1, &gaze);
     aims_at(90, 1e-3);
     assert_true(gaze.moved && gaze.time_ns == 1);

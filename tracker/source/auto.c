@@ -86,6 +86,7 @@ static void auto_status(struct trk_source *source, struct trk_status *out_status
     if (taken_up) return;
     memcpy(out_status->description, source->description, sizeof source->description);
     out_status->is_device = false;
+    out_status->on_screen = source->on_screen; /* of the replay */
 }
 
 static void auto_close(struct trk_source *source)
@@ -114,6 +115,7 @@ struct trk_source *trk_auto_create(struct trk_source *replay, struct trk_source 
     both->replay = replay;
     both->device = device;
     both->source.speed = replay->speed;
+    both->source.on_screen = replay->on_screen;
     snprintf(both->source.description, sizeof both->source.description, "%.290s (%.200s)",
              replay->description, *problem ? problem : "no eye tracker found");
     trk_device_hold(device, replay);

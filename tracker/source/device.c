@@ -191,6 +191,7 @@ static bool search(struct trk_device *device, char out_error[TRK_ERROR_SIZE])
     *device->problem = '\0';
     pthread_mutex_lock(&device->source.lock);
     device->status.connections++;
+    device->status.on_screen = device->facts.on_screen;
     pthread_mutex_unlock(&device->source.lock);
     set_description(device);
     return true;

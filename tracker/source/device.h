@@ -12,6 +12,7 @@ struct trk_device_facts {
     double rate_hz;        /* 0: unknown */
     unsigned clock_bits;   /* 0: it has no clock */
     double tick_ns;
+    bool on_screen; /* as in trk_status */
 };
 
 /* Deliver a sample that arrived at arrival_ns. The row fills in what was measured and its valid bits, this

@@ -264,6 +264,7 @@ static void tell_facts(struct hid *hid, const struct node *node, const char *who
     char rate[32] = "";
     hid->gaze_report = gaze->report;
     hid->has_clock = clock && clock->report == gaze->report;
+    out_facts->on_screen = true;
     out_facts->rate_hz = sane_rate(feature(hid, TRK_HID_FREQUENCY));
     if (hid->has_clock) {
         out_facts->clock_bits = trk_hid_clock_bits(clock);

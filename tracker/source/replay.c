@@ -46,11 +46,14 @@ static void describe(struct replay *replay, const char *path)
     double seconds = (double)(trk_log_time(log, log->count - 1) - replay->first_ns) / 1e9;
     char rate[32] = "";
     if (replay->rate.hz > 0) snprintf(rate, sizeof rate, ", %.0f Hz", replay->rate.hz);
-    const bool head = trk_log_seen(log) & TRK_HEAD;
     char *text = replay->source.description;
     const size_t size = sizeof replay->source.description;
-    const int length = snprintf(text, size, "replay of %.200s: %zu samples, %.1f s%s, %s", path, log->count,
-                                seconds, rate, head ? "head pose" : "no head pose");
+    const uint32_t seen = trk_log_seen(log);
+    const int length =
+        snprintf(text, size, "replay of %.200s: %zu samples, %.1f s%s, %s", path, log->count, seconds, rate,
+                 seen & TRK_SCREEN ? "gaze at a screen"
+                 : seen & TRK_HEAD ? "head pose"
+                                   : "no head pose");
     if (*log->assumed && length > 0 && (size_t)length < size)
         snprintf(text + length, size - (size_t)length, "; assumed: %.250s", log->assumed);
 }
@@ -128,6 +131,7 @@ static struct trk_source *replay_open(const char *path, const struct trk_source_
     }
     trk_log_rate(&replay->log, &replay->rate);
     replay->source.speed = options->speed;
+    replay->source.on_screen = trk_log_seen(&replay->log) & TRK_SCREEN;
     replay->loop = options->loop;
     measure_lap(replay);
     describe(replay, path);

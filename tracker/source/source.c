@@ -79,10 +79,12 @@ bool trk_push(struct trk_source *source, const float direction[3], uint64_t time
 void trk_get_status(struct trk_source *source, struct trk_status *out_status)
 {
     memset(out_status, 0, sizeof *out_status);
-    if (source->methods->status)
+    if (source->methods->status) {
         source->methods->status(source, out_status);
-    else
+    } else {
         memcpy(out_status->description, source->description, sizeof source->description);
+        out_status->on_screen = source->on_screen;
+    }
     out_status->speed = out_status->is_device ? 1 : source->speed;
 }
 

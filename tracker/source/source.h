@@ -46,7 +46,7 @@ struct trk_source_methods {
     void (*push)(struct trk_source *source, const float direction[3], uint64_t time_ns);
     /* NULL: waking trk_source_sleep() is enough. */
     void (*interrupt)(struct trk_source *source);
-    /* NULL: the description never changes. */
+    /* NULL: the description and on_screen never change. */
     void (*status)(struct trk_source *source, struct trk_status *out_status);
     /* Close and free. */
     void (*close)(struct trk_source *source);
@@ -57,6 +57,7 @@ struct trk_source {
     char description[TRK_ERROR_SIZE];
     bool virtual_clock;
     double speed;      /* as in trk_status; 1 at first */
+    bool on_screen;    /* as in trk_status */
     bool started;      /* only the reader's */
     uint64_t start_ns; /* time of the first read; only the reader uses it */
     pthread_mutex_t lock;
