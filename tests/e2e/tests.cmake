@@ -1,10 +1,11 @@
 # End-to-end tests: scripts that run the real programs, and small programs for what scripts cannot do.
-foreach(program compare exact fake_tev false_daemon golden hostile mean moves notified picture port same_channels viewer)
+foreach(program compare crowd exact fake_tev false_daemon garble golden hostile mean moves notified picture port same_channels viewer)
   add_executable(e2e_${program} e2e/${program}.c)
 endforeach()
-foreach(program false_daemon hostile moves viewer)
+foreach(program crowd false_daemon garble hostile moves viewer)
   target_link_libraries(e2e_${program} PRIVATE protocol m)
 endforeach()
+target_link_libraries(e2e_garble PRIVATE PkgConfig::OPENSSL)
 foreach(program compare mean picture same_channels)
   target_link_libraries(e2e_${program} PRIVATE renderer m)
 endforeach()
@@ -16,12 +17,12 @@ foreach(name access attention bad_input client compare disk exact files hostile 
   add_test(NAME e2e_${name} COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/e2e/${name}.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
   set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" SKIP_RETURN_CODE 77)
 endforeach()
-foreach(name tls web)
+foreach(name crowd garble tls web)
   add_test(NAME e2e_${name} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/e2e/${name}.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
   set_tests_properties(e2e_${name} PROPERTIES LABELS "e2e" SKIP_RETURN_CODE 77)
 endforeach()
 # Tests with clients and threads at once, which the thread sanitizer runs too.
-set_tests_properties(e2e_attention e2e_hostile e2e_move e2e_record e2e_shutdown e2e_steer e2e_tev e2e_views e2e_virtual e2e_web PROPERTIES LABELS "e2e;threads")
+set_tests_properties(e2e_attention e2e_crowd e2e_hostile e2e_move e2e_record e2e_shutdown e2e_steer e2e_tev e2e_views e2e_virtual e2e_web PROPERTIES LABELS "e2e;threads")
 
 # What a new user types first, real scenes, and many small ones. They take long, so they run only in one build.
 if(NOT SANITIZE)
