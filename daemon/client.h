@@ -3,6 +3,7 @@
 #ifndef FOVEAD_DAEMON_CLIENT_H
 #define FOVEAD_DAEMON_CLIENT_H
 
+#include "encode.h"
 #include "gate.h"
 #include "handles.h"
 #include "jobs.h"
@@ -21,6 +22,7 @@ struct dmn_clients {
     const struct dmn_handles *handles;
     const struct dmn_picture *picture;
     struct dmn_gate gate;
+    struct dmn_encoder encoder;
     unsigned count;
     struct dmn_steering steering; /* not under the virtual clock */
 };

@@ -290,6 +290,7 @@ void dmn_loop_destroy(struct dmn_loop *loop)
         dmn_viewer_destroy(loop->viewer);
         lws_context_destroy(loop->context);
     }
+    dmn_encoder_finish(&loop->clients.encoder);
     free(loop);
 }
 

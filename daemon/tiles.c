@@ -1,5 +1,4 @@
 /* The tiles that a client is sent. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "fade.h"
@@ -56,18 +55,19 @@ uint8_t *dmn_tile_pack(struct dmn_client *client, size_t *out_count)
 {
     const struct dmn_place *place = &client->plan[client->next++];
     const struct dmn_tile *known = &client->picture->pyramid.tile[place->index];
-    float rgb[RND_TILE * RND_TILE * 3];
+    const struct dmn_encoded *encoded =
+        dmn_encode(&client->clients->encoder, client->picture, place, client->encoding);
+    const struct rnd_tile *read;
     Fovea__Tile tile = FOVEA__TILE__INIT;
-    struct rnd_tile read;
     struct dmn_tile now;
-    uint8_t *message;
 
-    if (!rnd_render_read(client->handles->render, place->level, place->x, place->y, rgb, &read)) return NULL;
+    if (!encoded) return NULL;
+    read = &encoded->read;
     /* The plan, and what is known of the tile, are of the former generation. */
-    if (read.generation != client->generation) return NULL;
-    tile.data.data = pro_encode(client->encoding, rgb, RND_TILE, &tile.data.len);
-    if (!tile.data.data) return NULL;
-    now = (struct dmn_tile){read.samples, known->converged, known->settled, read.error};
+    if (read->generation != client->generation) return NULL;
+    tile.data.data = encoded->bytes;
+    tile.data.len = encoded->count;
+    now = (struct dmn_tile){read->samples, known->converged, known->settled, read->error};
     tile.fade_ms = dmn_fade_of(&client->picture->pyramid, client->sent, client->picture->direction,
                                place->level, place->x, place->y, &now);
     client->sent[place->index] = now;
@@ -77,16 +77,14 @@ uint8_t *dmn_tile_pack(struct dmn_client *client, size_t *out_count)
     tile.x = (uint32_t)place->x;
     tile.y = (uint32_t)place->y;
     tile.encoding = client->encoding;
-    tile.samples = read.samples;
-    tile.error = read.error;
+    tile.samples = read->samples;
+    tile.error = read->error;
     tile.converged = known->converged;
     tile.settled = known->settled;
-    if (read.gaze_sequence > client->gaze_sequence) client->gaze_sequence = read.gaze_sequence;
-    tile.gaze_sequence = read.gaze_sequence;
-    tile.gaze_ns = read.gaze_ns;
-    tile.aimed_ns = read.aimed_ns;
+    if (read->gaze_sequence > client->gaze_sequence) client->gaze_sequence = read->gaze_sequence;
+    tile.gaze_sequence = read->gaze_sequence;
+    tile.gaze_ns = read->gaze_ns;
+    tile.aimed_ns = read->aimed_ns;
     tile.encoded_ns = dmn_clock_ns(client->handles);
-    message = dmn_client_pack(client, FOVEA__MESSAGE__BODY_TILE, &tile, out_count);
-    free(tile.data.data);
-    return message;
+    return dmn_client_pack(client, FOVEA__MESSAGE__BODY_TILE, &tile, out_count);
 }
