@@ -10,7 +10,7 @@ import { chromium } from 'playwright-core';
 export const [fovead, foveactl, source, ...rest] = process.argv.slice(2);
 export const place = mkdtempSync(join(tmpdir(), 'fovead-page-'));
 const socket = 'unix:' + join(place, 'socket');
-export const hall = ['--scene', join(source, 'fixtures/hall.gltf'), '--env', join(source, 'fixtures/sky.hdr')];
+export const hall = ['--scene', 'fixtures/hall.gltf', '--env', 'fixtures/sky.hdr']; // where fovead runs
 export const counted = { checks: 0 };
 let daemon = null, browser = null, stopping = false;
 
@@ -42,7 +42,7 @@ export function freePort() {
 export async function start(port, options = [], environment = {}, scene = hall) {
   stopping = false;
   daemon = spawn(fovead, [...scene, '--listen', 'http:127.0.0.1:' + port, '--listen', socket, ...options],
-    { env: { ...process.env, ...environment }, stdio: ['ignore', 'pipe', 'inherit'] });
+    { cwd: source, env: { ...process.env, ...environment }, stdio: ['ignore', 'pipe', 'inherit'] });
   let text = '';
   daemon.stdout.on('data', (data) => { text += data; });
   daemon.once('exit', (code, signal) => { if (!stopping) console.error('the daemon has ended:', code, signal); });
