@@ -301,7 +301,7 @@ static bool finish(struct daemon *daemon, const struct dmn_work *work)
     const char *save = daemon->options.save;
     char error[RND_ERROR_SIZE];
     struct dmn_gaze_status gaze;
-    bool saved = save && dmn_save_film(daemon->handles.render, save, error);
+    bool saved = save && dmn_save_film(daemon->handles.render, save, &daemon->options.exposure, error);
     bool recorded = finish_recording(daemon);
 
     dmn_gaze_status(daemon->handles.gaze, &gaze);

@@ -5,7 +5,7 @@
 static bool save(const struct dmn_handles *handles, struct dmn_job *job)
 {
     char error[RND_ERROR_SIZE];
-    bool good = dmn_save_film(handles->render, job->path, error);
+    bool good = dmn_save_film(handles->render, job->path, &job->exposure, error);
 
     snprintf(job->text, sizeof(job->text), good ? "wrote %.900s" : "%.900s", good ? job->path : error);
     return good;

@@ -20,12 +20,13 @@ struct dmn_job {
     const struct dmn_job_kind *kind;
     unsigned client; /* number of the client that asked */
     uint32_t request;
-    char path[1024];          /* of the file to write */
-    bool replace;             /* an existing file may be replaced */
-    bool has_target;          /* of recentring; else the view's centre: */
-    float target[3];          /* unit, world */
-    bool good;                /* once the job is done: */
-    char text[DMN_TEXT_SIZE]; /* what was done, or why not */
+    char path[1024];              /* of the file to write */
+    struct rnd_exposure exposure; /* of a picture for displays */
+    bool replace;                 /* an existing file may be replaced */
+    bool has_target;              /* of recentring; else the view's centre: */
+    float target[3];              /* unit, world */
+    bool good;                    /* once the job is done: */
+    char text[DMN_TEXT_SIZE];     /* what was done, or why not */
 };
 
 struct dmn_jobs;

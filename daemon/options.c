@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "image_options.h"
 #include "numbers.h"
 #include "option.h"
 #include "options.h"
@@ -139,10 +140,7 @@ static bool take_until(const struct dmn_option *option, const char *text, void *
 
 static bool take_save(const struct dmn_option *option, const char *text, void *values, char *out_error)
 {
-    const size_t length = strlen(text);
-
-    return length >= 4 && !strcasecmp(text + length - 4, ".exr") &&
-           dmn_take_text(option, text, values, out_error);
+    return dmn_image_is_named(text) && dmn_take_text(option, text, values, out_error);
 }
 
 /* The plane of that name, length bytes of text; -1: there is none. */
@@ -239,6 +237,11 @@ static bool listens_for_browsers(const void *values)
 static bool clock_is_real(const void *values)
 {
     return !((const struct dmn_options *)values)->virtual_clock;
+}
+
+static bool save_is_for_displays(const void *values)
+{
+    return !dmn_image_is_exr(((const struct dmn_options *)values)->save);
 }
 
 static bool mode_is_foveated(const void *values)
@@ -435,12 +438,22 @@ static const struct dmn_option ROWS[] = {
      .take = take_until,
      .wants = "a number with spp or s, converged, or end"},
     {.name = "save",
-     .argument = "FILE.exr",
-     .help = "at the end write colour, sample counts, errors and --planes as channels, also when a signal "
-             "ends fovead, unless another signal comes a second or more after the first",
+     .argument = "FILE",
+     .help = "at the end write the picture, also when a signal ends fovead, unless another signal comes a "
+             "second or more after the first. An .exr has colour, sample counts, errors and --planes as "
+             "channels; a .png or .jpg is as displays show it. All are marked as 360-degree panoramas",
      .take = take_save,
      .target = offsetof(struct dmn_options, save),
-     .wants = "a name that ends in .exr"},
+     .wants = "a name that ends in " DMN_IMAGE_ENDS},
+    {.name = "exposure",
+     .argument = "STOPS",
+     .help = "brighten the .png or .jpg of --save by so many stops, or auto: half of the sphere above "
+             "middle grey, half below; default: 0",
+     .take = dmn_take_exposure,
+     .target = offsetof(struct dmn_options, exposure),
+     .number = {.low = -64, .high = 64},
+     .wants = "stops from -64 to 64, or auto",
+     .need = {{"--save"}, {"a --save to .png or .jpg", save_is_for_displays}}},
     {.name = "planes",
      .argument = "NAMES",
      .help = "keep what paths hit first, for the channels of every saved .exr; this takes memory. all, or "

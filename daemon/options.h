@@ -31,7 +31,8 @@ struct dmn_options {
     bool has_viewer;
     struct pro_address viewer; /* where tev or HDRView listens */
     struct dmn_until until;
-    const char *save; /* NULL: not saved */
+    const char *save;             /* NULL: not saved */
+    struct rnd_exposure exposure; /* of what is saved for displays */
     bool json;
     bool list_trackers;
 };

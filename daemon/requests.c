@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "hello.h"
+#include "image_options.h"
 #include "job_kinds.h"
 #include "paint.h"
 #include "requests.h"
@@ -73,14 +74,13 @@ static bool take_ping(struct dmn_client *client, Fovea__Message *message, char o
 }
 
 /* Take the path of a request. False, and why in job->text, if it cannot be written. */
-static bool take_path(struct dmn_job *job, const char *path, const char *ending)
+static bool take_path(struct dmn_job *job, const char *path, bool of_picture)
 {
-    size_t length = strlen(path), end = strlen(ending);
+    const size_t length = strlen(path);
 
-    if (path[0] != '/' || length >= sizeof(job->path) || length < end ||
-        strcmp(path + length - end, ending) != 0) {
-        snprintf(job->text, sizeof(job->text), "an absolute path%s%s is needed",
-                 *ending ? " that ends in " : "", ending);
+    if (path[0] != '/' || length >= sizeof(job->path) || (of_picture && !dmn_image_is_named(path))) {
+        snprintf(job->text, sizeof(job->text), "an absolute path%s is needed",
+                 of_picture ? " that ends in " DMN_IMAGE_ENDS : "");
         return false;
     }
     memcpy(job->path, path, length + 1);
@@ -89,9 +89,14 @@ static bool take_path(struct dmn_job *job, const char *path, const char *ending)
 
 static bool take_save(struct dmn_client *client, Fovea__Message *message, char out_error[PRO_ERROR_SIZE])
 {
-    struct dmn_job job = {.kind = &dmn_job_save, .request = message->save->request};
+    const Fovea__Save *save = message->save;
+    struct dmn_job job = {.kind = &dmn_job_save,
+                          .request = save->request,
+                          .exposure = {save->exposure_auto, (double)save->exposure}};
 
-    if (!take_path(&job, message->save->path, ".exr"))
+    if (!(fabsf(save->exposure) <= 64))
+        return dmn_client_fail(out_error, "a save with an exposure that cannot be");
+    if (!take_path(&job, save->path, true))
         return dmn_client_done(client, job.request, false, job.text, out_error);
     return dmn_client_ask(client, &job, out_error);
 }
@@ -103,7 +108,7 @@ static bool take_record(struct dmn_client *client, Fovea__Message *message, char
                           .request = record->request,
                           .replace = record->replace};
 
-    if (record->on && !take_path(&job, record->path, ""))
+    if (record->on && !take_path(&job, record->path, false))
         return dmn_client_done(client, job.request, false, job.text, out_error);
     return dmn_client_ask(client, &job, out_error);
 }

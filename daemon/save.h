@@ -6,6 +6,7 @@
 
 /* As rnd_render_save(), to a path, as a file that appears whole or not at all. An existing file is replaced.
  */
-bool dmn_save_film(struct rnd_render *render, const char *path, char out_error[RND_ERROR_SIZE]);
+bool dmn_save_film(struct rnd_render *render, const char *path, const struct rnd_exposure *exposure,
+                   char out_error[RND_ERROR_SIZE]);
 
 #endif

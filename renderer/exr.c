@@ -2,6 +2,13 @@
 #include "exr.h"
 
 #include <math.h>
+#include <string.h>
+
+bool rnd_is_exr(const char *name)
+{
+    const char *dot = strrchr(name, '.');
+    return dot && strcasecmp(dot, ".exr") == 0;
+}
 
 enum rnd_channel_type rnd_exr_type(const float *values, size_t pixels, size_t stride, size_t channels)
 {

@@ -1,8 +1,7 @@
 /* Image files for the rest of the project: panoramas and views out, textures' and references' pixels in. */
-#include "exr.h"
-#include "math/srgb.h"
 #include "renderer.h"
 #include "import/image_io.h"
+#include "rgb_rows.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -50,47 +49,13 @@ float *rnd_image_read_channel(const char *path, const char *channel, int *out_wi
     return pixels.floats;
 }
 
-/* Pixels of a picture in memory. */
-struct picture {
-    struct rnd_pixels_source source; /* first */
-    const float *rgb;
-    size_t row; /* values */
-    bool encode;
-};
-
-static void fill_rows(struct rnd_pixels_source *source, int first, int count, float *out_pixels)
-{
-    const struct picture *picture = (const struct picture *)(const void *)source;
-    const float *from = picture->rgb + (size_t)first * picture->row;
-    const size_t all = (size_t)count * picture->row;
-    if (!picture->encode)
-        memcpy(out_pixels, from, all * sizeof *from);
-    else
-        for (size_t i = 0; i < all; i++) out_pixels[i] = rnd_srgb_encode(from[i]);
-}
-
 bool rnd_image_write(FILE *file, const char *name, int width, int height, const float *rgb,
                      bool equirectangular, char out_error[RND_ERROR_SIZE])
 {
-    const char *dot = strrchr(name, '.'), *slash = strrchr(name, '/');
     char text[RND_ERROR_SIZE / 2];
-    if (!dot || (slash && dot < slash) || !dot[1]) {
-        snprintf(out_error, RND_ERROR_SIZE, "%.200s: expected a file name that ends in .exr, .png or .jpg",
-                 name);
-        return false;
-    }
-    const bool exr = strcasecmp(dot, ".exr") == 0, hdr = strcasecmp(dot, ".hdr") == 0;
-    const enum rnd_channel_type type = exr   ? rnd_exr_type(rgb, (size_t)width * (size_t)height, 3, 3)
-                                       : hdr ? RND_FLOAT
-                                             : RND_BYTE;
-    struct picture picture = {{fill_rows}, rgb, (size_t)width * 3, !exr && !hdr};
-    struct rnd_layout layout = {.width = width,
-                                .height = height,
-                                .channels = 3,
-                                .channel = {{"R", type}, {"G", type}, {"B", type}},
-                                .equirectangular = equirectangular};
-    snprintf(layout.format, sizeof layout.format, "%s", dot + 1);
-    if (rnd_pixels_write(file, &layout, &picture.source, text, sizeof text)) return true;
+    struct rnd_rgb_rows rows;
+    if (!rnd_rgb_rows_init(&rows, name, width, height, rgb, equirectangular, out_error)) return false;
+    if (rnd_pixels_write(file, &rows.layout, &rows.source, text, sizeof text)) return true;
     snprintf(out_error, RND_ERROR_SIZE, "%.200s: cannot be written: %s", name, text);
     return false;
 }

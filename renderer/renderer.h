@@ -276,11 +276,21 @@ const char *rnd_render_channel(const struct rnd_render *render, int index);
 bool rnd_render_read_channels(struct rnd_render *render, int x, int y, float *out_values,
                               struct rnd_tile *out_state);
 
-/* Write the film as EXR with all channels, as half floats where these hold the values, marked as an
- * equirectangular environment for 360 viewers. fovead-image writes it; meanwhile it takes 4 bytes here per
- * channel and pixel. file is a regular file, open for writing and empty; errors call it name. False with a
- * line in out_error if not all of it is written. */
-bool rnd_render_save(struct rnd_render *render, FILE *file, const char *name, char out_error[RND_ERROR_SIZE]);
+/* How bright pictures for displays are. */
+struct rnd_exposure {
+    bool automatic; /* half of the sphere above middle grey, half below */
+    double stops;   /* else by so many brighter than radiance 1 = white */
+};
+/* Expose a panorama, in place. */
+void rnd_expose(const struct rnd_exposure *exposure, float *rgb, int width, int height);
+
+/* Write the film, marked as a panorama for 360-degree viewers, in the format that the end of name says: .exr
+ * has all channels, as half floats where these hold the values; .png and .jpg have what rnd_render_read()
+ * shows, exposed, as 8-bit sRGB. fovead-image writes it; meanwhile it takes 4 bytes here per channel and
+ * pixel. file is a regular file, open for writing and empty; errors call it name. False with a line in
+ * out_error if not all of it is written. */
+bool rnd_render_save(struct rnd_render *render, FILE *file, const char *name,
+                     const struct rnd_exposure *exposure, char out_error[RND_ERROR_SIZE]);
 
 /* --- images --- */
 

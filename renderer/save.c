@@ -1,14 +1,34 @@
 /* Writes the film as a file, by means of fovead-image. */
 #include "exr.h"
 #include "film/channels.h"
+#include "film/film.h"
 #include "import/image_apart.h"
 #include "render.h"
+#include "rgb_rows.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 _Static_assert((int)RND_LAYOUT_CHANNELS >= (int)RND_MOST_CHANNELS, "a layout has no room for all channels");
+
+static bool fail(const char *name, const char *why, char out_error[RND_ERROR_SIZE])
+{
+    snprintf(out_error, RND_ERROR_SIZE, "%.200s: %s", name, why);
+    return false;
+}
+
+static bool write(struct rnd_render *render, FILE *file, const char *name, const struct rnd_layout *layout,
+                  struct rnd_pixels_source *source, char out_error[RND_ERROR_SIZE])
+{
+    char text[RND_ERROR_SIZE / 2];
+    if (rnd_image_write_apart(render->image_program, fileno(file), layout, source, text, sizeof text))
+        return true;
+    snprintf(out_error, RND_ERROR_SIZE, "%.200s: cannot be written: %s", name, text);
+    return false;
+}
+
+/* --- all channels, as EXR --- */
 
 /* The film as it was at one time. */
 struct values {
@@ -61,23 +81,60 @@ static void lay_out(const struct rnd_film *film, const float *values, struct rnd
     }
 }
 
-bool rnd_render_save(struct rnd_render *render, FILE *file, const char *name, char out_error[RND_ERROR_SIZE])
+static bool save_channels(struct rnd_render *render, FILE *file, const char *name,
+                          char out_error[RND_ERROR_SIZE])
 {
     const struct rnd_film *film = &render->film;
     const size_t row = (size_t)film->width * (size_t)rnd_film_channels(film);
-    char text[RND_ERROR_SIZE / 2];
     struct rnd_layout layout;
     float *values = malloc((size_t)film->height * row * sizeof *values);
-    if (!values) {
-        snprintf(out_error, RND_ERROR_SIZE, "%.200s: not enough memory", name);
-        return false;
-    }
+    if (!values) return fail(name, "not enough memory", out_error);
     read_channels(render, values);
     lay_out(film, values, &layout);
     struct values source = {{fill_rows}, values, row};
-    const bool ok = rnd_image_write_apart(render->image_program, fileno(file), &layout, &source.source, text,
-                                          sizeof text);
+    const bool ok = write(render, file, name, &layout, &source.source, out_error);
     free(values);
-    if (!ok) snprintf(out_error, RND_ERROR_SIZE, "%.200s: cannot be written: %s", name, text);
     return ok;
+}
+
+/* --- as a picture for displays --- */
+
+/* What clients are shown, but black where there is nothing to show. */
+static void read_picture(struct rnd_render *render, float *out_rgb)
+{
+    const struct rnd_film *film = &render->film;
+    float rgb[RND_TILE_PIXELS * 3];
+    struct rnd_tile state;
+    pthread_mutex_lock(&render->whole);
+    rnd_film_resolve(film, out_rgb, NULL, NULL); /* for tiles that are locked below */
+    for (int t = 0; t < film->across * film->down; t++) {
+        const int x = t % film->across, y = t / film->across;
+        if (!rnd_reconstruct(&render->reconstructor, 0, x, y, rgb, &state)) continue;
+        for (int i = 0; i < RND_TILE; i++)
+            memcpy(out_rgb + 3 * ((size_t)(y * RND_TILE + i) * (size_t)film->width + (size_t)(x * RND_TILE)),
+                   rgb + 3 * RND_TILE * i, 3 * RND_TILE * sizeof *rgb);
+    }
+    pthread_mutex_unlock(&render->whole);
+}
+
+static bool save_picture(struct rnd_render *render, FILE *file, const char *name,
+                         const struct rnd_exposure *exposure, char out_error[RND_ERROR_SIZE])
+{
+    const int width = render->film.width, height = render->film.height;
+    float *rgb = malloc((size_t)width * (size_t)height * 3 * sizeof *rgb);
+    struct rnd_rgb_rows rows;
+    if (!rgb) return fail(name, "not enough memory", out_error);
+    read_picture(render, rgb);
+    rnd_expose(exposure, rgb, width, height);
+    const bool ok = rnd_rgb_rows_init(&rows, name, width, height, rgb, true, out_error) &&
+                    write(render, file, name, &rows.layout, &rows.source, out_error);
+    free(rgb);
+    return ok;
+}
+
+bool rnd_render_save(struct rnd_render *render, FILE *file, const char *name,
+                     const struct rnd_exposure *exposure, char out_error[RND_ERROR_SIZE])
+{
+    return rnd_is_exr(name) ? save_channels(render, file, name, out_error)
+                            : save_picture(render, file, name, exposure, out_error);
 }

@@ -143,8 +143,10 @@ static void print_json(const struct comparison *c)
 static int run(const struct ctl *ctl)
 {
     struct comparison comparison = {.ctl = ctl};
-    bool good = read_both(&comparison) && measure(&comparison) && (!ctl->map || write_map(&comparison));
+    bool good;
 
+    if (ctl->map && !ctl_is_picture(ctl, ctl->map)) return 2;
+    good = read_both(&comparison) && measure(&comparison) && (!ctl->map || write_map(&comparison));
     if (good) (ctl->json ? print_json : print_table)(&comparison);
     free(comparison.reference);
     free(comparison.test);

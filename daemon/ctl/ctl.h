@@ -24,8 +24,7 @@ struct ctl {
     bool has_at;
     double at[4]; /* left, top, width and height of the view, shares of the screen's */
     int width, height;
-    bool exposure_auto;
-    double exposure; /* stops */
+    struct rnd_exposure exposure;
     const char *gaze;
     double ppd; /* pixels per degree */
     const char *map;
@@ -81,6 +80,9 @@ int ctl_run_elsewhere(const struct ctl *ctl);
 
 /* One line on stderr; returns false. */
 bool ctl_fail(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* Does the path of a picture end so that its format is known? False after a line on stderr. */
+bool ctl_is_picture(const struct ctl *ctl, const char *path);
 
 /* Connect to the daemon. NULL after a line on stderr. */
 struct pro_client *ctl_connect(const struct ctl *ctl, Fovea__Encoding tiles, bool gaze, bool stats);

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "ctl.h"
+#include "image_options.h"
 #include "option.h"
 #include "streams.h"
 
@@ -52,15 +53,6 @@ static bool take_size(const struct dmn_option *option, const char *text, void *v
     (void)option, (void)out_error;
     return dmn_parse_size(text, &ctl->width, &ctl->height) && ctl->height && ctl->width <= 16384 &&
            ctl->height <= 16384;
-}
-
-static bool take_exposure(const struct dmn_option *option, const char *text, void *values, char *out_error)
-{
-    struct ctl *ctl = values;
-
-    (void)out_error;
-    ctl->exposure_auto = !strcmp(text, "auto");
-    return ctl->exposure_auto || dmn_option_numbers(option, text, &ctl->exposure);
 }
 
 static bool take_screen(const struct dmn_option *option, const char *text, void *values, char *out_error)
@@ -125,7 +117,8 @@ static const struct dmn_option ROWS[] = {
      .argument = "STOPS",
      .help = "brighten by so many stops, or auto: half of the sphere above middle grey, half below; default: "
              "0. An .exr keeps the radiance as it is",
-     .take = take_exposure,
+     .take = dmn_take_exposure,
+     .target = offsetof(struct ctl, exposure),
      .number = {.low = -64, .high = 64},
      .wants = "stops from -64 to 64, or auto"},
     {.name = "settle",
@@ -263,6 +256,12 @@ bool ctl_fail(const char *format, ...)
     va_end(args);
     fputc('\n', stderr);
     return false;
+}
+
+bool ctl_is_picture(const struct ctl *ctl, const char *path)
+{
+    return dmn_image_is_named(path) ||
+           ctl_fail("%s wants a name that ends in " DMN_IMAGE_ENDS ", not '%s'", ctl->command, path);
 }
 
 /* The number of words of a command line (which ends with NULL) that are this command's name; 0 if it is

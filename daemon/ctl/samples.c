@@ -147,6 +147,7 @@ static int run(const struct ctl *ctl)
     int width, height;
     bool good;
 
+    if (!ctl_is_picture(ctl, ctl->operand[1])) return 2;
     if (ctl->gaze && !trk_log_read(ctl->gaze, &log, error)) return ctl_fail("%s", error), 1;
     counts = rnd_image_read_channel(ctl->operand[0], "samples", &width, &height, error);
     good = counts ? draw(ctl, counts, width, height, ctl->gaze ? &log : NULL) : ctl_fail("%s", error);

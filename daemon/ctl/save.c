@@ -35,6 +35,8 @@ static int run(const struct ctl *ctl)
     if (!client) return 1;
     save.request = 1;
     save.path = path;
+    save.exposure = (float)ctl->exposure.stops;
+    save.exposure_auto = ctl->exposure.automatic;
     message.body_case = FOVEA__MESSAGE__BODY_SAVE;
     message.save = &save;
     good = ctl_request(client, &message, 120);
@@ -44,8 +46,8 @@ static int run(const struct ctl *ctl)
 
 const struct ctl_command ctl_save = {
     .name = "save",
-    .operands = "FILE.exr",
-    .summary = "have the daemon write the film: colour, sample counts and errors",
-    .options = CTL_CONNECTION,
+    .operands = "FILE",
+    .summary = "have the daemon write the film: an .exr with all its channels, or a .png or .jpg",
+    .options = CTL_CONNECTION "exposure",
     .run = run,
 };

@@ -8,12 +8,10 @@
 
 #include "ctl.h"
 #include "image.h"
+#include "image_options.h"
 
 /* How often to check how much of the picture has come. */
 static const uint64_t CHECK_NS = 50000000;
-
-/* Middle grey, to which auto exposure brings the median. */
-static const float GREY = 0.18f;
 
 struct snapshot {
     const struct ctl *ctl;
@@ -23,23 +21,6 @@ struct snapshot {
     uint64_t tiles, generation;
     double coverage;
 };
-
-static bool is_exr(const char *path)
-{
-    const char *dot = strrchr(path, '.');
-
-    return dot && !strcasecmp(dot, ".exr");
-}
-
-static bool is_image(const char *path)
-{
-    static const char *const ENDS[] = {".exr", ".png", ".jpg", ".jpeg"};
-    const char *dot = strrchr(path, '.');
-
-    for (size_t i = 0; dot && i < sizeof(ENDS) / sizeof(*ENDS); i++)
-        if (!strcasecmp(dot, ENDS[i])) return true;
-    return ctl_fail("snapshot wants a name that ends in .exr, .png or .jpg, not '%s'", path);
-}
 
 /* Receive until the picture is whole, then --settle seconds longer for finer tiles. If the picture begins
  * anew meanwhile, because the camera moves, the seconds still count from the first whole picture; after them
@@ -86,57 +67,6 @@ static bool gather(struct snapshot *snapshot)
             return ctl_fail("after %.0f s only %.0f %% of the picture is there",
                             (double)(now_ns - began_ns) * 1e-9, snapshot->coverage * 100);
     }
-}
-
-struct block {
-    float luminance, weight;
-};
-
-static int by_luminance(const void *a, const void *b)
-{
-    const struct block *p = a, *q = b;
-
-    return (p->luminance > q->luminance) - (p->luminance < q->luminance);
-}
-
-/* The gain that brings the median luminance over the sphere to middle grey. The median is that of blocks:
- * half of the pixels of a noisy picture may be nearly black. */
-static float auto_gain(const float *rgb, int width, int height)
-{
-    enum { BLOCK = 32 };
-    int columns = width / BLOCK, rows = height / BLOCK;
-    size_t count = (size_t)columns * (size_t)rows, i = 0;
-    struct block *blocks = calloc(count ? count : 1, sizeof(*blocks));
-    float half = 0, median = 0;
-
-    if (!blocks) return 1;
-    for (size_t b = 0; b < count; b++) {
-        size_t x = b % (size_t)columns * BLOCK, y = b / (size_t)columns * BLOCK;
-
-        for (size_t p = 0; p < BLOCK * BLOCK; p++) {
-            const float *c = &rgb[3 * ((y + p / BLOCK) * (size_t)width + x + p % BLOCK)];
-
-            blocks[b].luminance += 0.2126f * c[0] + 0.7152f * c[1] + 0.0722f * c[2];
-        }
-        blocks[b].luminance /= BLOCK * BLOCK;
-        blocks[b].weight = sinf(((float)y + BLOCK / 2) / (float)height * (float)M_PI);
-        half += blocks[b].weight / 2;
-    }
-    qsort(blocks, count, sizeof(*blocks), by_luminance);
-    for (; i < count && half > 0; i++) {
-        half -= blocks[i].weight;
-        median = blocks[i].luminance;
-    }
-    free(blocks);
-    return median > 0 && isfinite(GREY / median) ? GREY / median : 1;
-}
-
-static void expose(const struct ctl *ctl, float *rgb, int width, int height)
-{
-    float gain = ctl->exposure_auto ? auto_gain(rgb, width, height) : exp2f((float)ctl->exposure);
-
-    if (is_exr(ctl->operand[0])) return;
-    for (size_t i = 0; i < 3 * (size_t)width * (size_t)height; i++) rgb[i] *= gain;
 }
 
 static bool write_panorama(const struct snapshot *snapshot, const float *rgb)
@@ -208,7 +138,8 @@ static bool make(struct snapshot *snapshot)
     rgb = malloc((size_t)film->width * film->height * 3 * sizeof(*rgb));
     if (!rgb) return ctl_fail("out of memory");
     pro_picture_resolve(pro_picture(snapshot->client), rgb);
-    expose(ctl, rgb, (int)film->width, (int)film->height);
+    if (!dmn_image_is_exr(ctl->operand[0]))
+        rnd_expose(&ctl->exposure, rgb, (int)film->width, (int)film->height);
     good = ctl->has_view ? write_view(snapshot, rgb, view) : write_panorama(snapshot, rgb);
     if (good) tell(snapshot, view);
     free(rgb);
@@ -220,7 +151,7 @@ static int run(const struct ctl *ctl)
     struct snapshot snapshot = {.ctl = ctl};
     bool good;
 
-    if (!is_image(ctl->operand[0])) return 2;
+    if (!ctl_is_picture(ctl, ctl->operand[0])) return 2;
     snapshot.client = ctl_connect(ctl, FOVEA__ENCODING__ENCODING_HALF_ZSTD, ctl->view_gaze, false);
     if (!snapshot.client) return 1;
     good = make(&snapshot);

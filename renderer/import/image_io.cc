@@ -5,6 +5,7 @@
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -149,9 +150,23 @@ class Sink : public OIIO::Filesystem::IOProxy
   public:
     explicit Sink(FILE *to) : IOProxy("", Write), file(to) {}
     const char *proxytype() const override { return "sink"; }
+    // Put bytes between those of an encoder that never seeks: before its byte at that place.
+    void insert(const std::string &bytes, int64_t place)
+    {
+        inserted = bytes;
+        insert_at = place;
+    }
     size_t write(const void *bytes, size_t count) override
     {
-        note(fwrite(bytes, 1, count, file) == count);
+        const char *from = (const char *)bytes;
+        const int64_t before = insert_at - m_pos;
+        if (before >= 0 && before < (int64_t)count) {
+            put(from, (size_t)before);
+            put(inserted.data(), inserted.size());
+            put(from + before, count - (size_t)before);
+        } else {
+            put(from, count);
+        }
         m_pos += count;
         end = std::max(end, m_pos);
         return count;
@@ -175,8 +190,11 @@ class Sink : public OIIO::Filesystem::IOProxy
         if (!good && why == 0) why = errno != 0 ? errno : EIO;
         return good;
     }
+    void put(const char *bytes, size_t count) { note(fwrite(bytes, 1, count, file) == count); }
 
     FILE *file;
+    std::string inserted;
+    int64_t insert_at = -1; // nowhere
     int64_t end = 0;
     int why = 0;
 };
@@ -198,7 +216,10 @@ OIIO::ImageSpec spec_of(const rnd_layout &layout)
     spec.attribute("compression", "zip");
     if (layout.equirectangular) {
         spec.attribute("textureformat", "LatLong Environment"); // OpenEXR: envmap = latlong
+        // Photo Sphere XMP Metadata (Google), which OpenImageIO writes as XMP to JPEG alone.
+        spec.attribute("GPano:UsePanoramaViewer", "True");
         spec.attribute("GPano:ProjectionType", "equirectangular");
+        spec.attribute("GPano:PoseHeadingDegrees", 0.0f); // of the middle of the picture: forward is north
         spec.attribute("GPano:FullPanoWidthPixels", layout.width);
         spec.attribute("GPano:FullPanoHeightPixels", layout.height);
         spec.attribute("GPano:CroppedAreaImageWidthPixels", layout.width);
@@ -207,6 +228,37 @@ OIIO::ImageSpec spec_of(const rnd_layout &layout)
         spec.attribute("GPano:CroppedAreaTopPixels", 0);
     }
     return spec;
+}
+
+// The attributes of Photo Sphere XMP Metadata as a packet of XMP.
+std::string xmp_of(const OIIO::ImageSpec &spec)
+{
+    std::string xmp = "<?xpacket begin=\"\xEF\xBB\xBF\" id=\"W5M0MpCehiHzreSzNTczkc9d\"?>\n"
+                      "<x:xmpmeta xmlns:x=\"adobe:ns:meta/\">\n"
+                      "<rdf:RDF xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\">\n"
+                      "<rdf:Description rdf:about=\"\"\n"
+                      " xmlns:GPano=\"http://ns.google.com/photos/1.0/panorama/\"";
+    for (const OIIO::ParamValue &value : spec.extra_attribs)
+        if (OIIO::Strutil::starts_with(value.name(), "GPano:"))
+            xmp += "\n " + value.name().string() + "=\"" + value.get_string() + "\"";
+    return xmp + "/>\n</rdf:RDF>\n</x:xmpmeta>\n<?xpacket end=\"r\"?>";
+}
+
+void put_u32(std::string &to, size_t value)
+{
+    for (int shift = 24; shift >= 0; shift -= 8) to.push_back((char)(value >> shift));
+}
+
+// PNG has XMP in a chunk of international text (XMP specification, part 3, 1.1.5), which OpenImageIO does not
+// write (2.5). The keyword is followed by: not compressed, method 0, no language, no translated keyword.
+std::string png_xmp(const OIIO::ImageSpec &spec)
+{
+    const std::string body = "iTXtXML:com.adobe.xmp" + std::string(5, '\0') + xmp_of(spec);
+    std::string chunk;
+    put_u32(chunk, body.size() - 4);
+    chunk += body;
+    put_u32(chunk, crc32(0, (const Bytef *)body.data(), (uInt)body.size()));
+    return chunk;
 }
 
 bool write_rows(OIIO::ImageOutput &out, rnd_pixels_source &source)
@@ -280,6 +332,9 @@ extern "C" bool rnd_pixels_write(FILE *file, const rnd_layout *layout, rnd_pixel
             return fail(out_error, error_size, "a JPEG has at most 65500 pixels a side");
         OIIO::ImageSpec spec = spec_of(*layout);
         spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+        // It comes after the signature and the chunk IHDR, which are of fixed length.
+        if (layout->equirectangular && strcmp(out->format_name(), "png") == 0)
+            sink.insert(png_xmp(spec), 8 + 12 + 13);
         if (!out->open("x." + format, spec)) return fail(out_error, error_size, out->geterror());
         const bool ok = write_rows(*out, *source);
         const std::string text = ok ? "" : out->geterror();

@@ -21,6 +21,6 @@ unset FOVEAD_TOKEN
 [ "$(wc -l <"$home/commands.sh")" -gt 20 ] || { echo "the README's commands were not found" >&2; exit 1; }
 bash "$home/commands.sh"
 
-for made in view.png panorama.jpg panorama.exr samples.png own.exr final.exr difference.png replay.exr piano.png; do
+for made in view.png panorama.jpg panorama.exr samples.png own.exr final.exr final.jpg difference.png replay.exr piano.png; do
     [ -s "$made" ] || { echo "the README's commands left no $made" >&2; exit 1; }
 done

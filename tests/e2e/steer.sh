@@ -44,7 +44,7 @@ grep -q -e '-90.0 degrees right' view.txt || fail "$(cat view.txt)"
 refused socket "$foveactl" save tcp.exr --connect "$tcp"
 [ ! -e tcp.exr ] || fail "a client over TCP had a file written"
 refused no/such "$foveactl" save no/such/folder.exr
-refused .exr "$foveactl" save saved.png
+refused ".exr, .png or .jpg" "$foveactl" save saved.tif
 mkdir taken.exr
 refused taken.exr "$foveactl" save taken.exr
 

@@ -127,7 +127,7 @@ static void everything_said(void **state)
     finish(&o);
 }
 
-static void planes(void **state)
+static void saving(void **state)
 {
     static const struct {
         const char *line;
@@ -140,6 +140,13 @@ static void planes(void **state)
     struct dmn_options o;
 
     (void)state;
+    run("--scene a.gltf --save b.JPEG --exposure -1.5", &o);
+    assert_string_equal(o.save, "b.JPEG");
+    assert_true(o.exposure.stops == -1.5 && !o.exposure.automatic);
+    finish(&o);
+    run("--scene a.gltf --save b.png --exposure auto", &o);
+    assert_true(o.exposure.automatic);
+    finish(&o);
     for (size_t i = 0; i < sizeof(PLANES) / sizeof(*PLANES); i++) {
         char line[100];
 
@@ -151,6 +158,8 @@ static void planes(void **state)
     assert_int_equal(parse("--scene a.gltf --planes normal,depth", &o), DMN_REFUSED);
     assert_non_null(strstr(said, "there is no 'depth', expected all or some of "
                                  "albedo,normal,position,coverage,instance"));
+    assert_int_equal(parse("--scene a.gltf --save b.tiff", &o), DMN_REFUSED);
+    assert_non_null(strstr(said, "wants a name that ends in .exr, .png or .jpg"));
 }
 
 static void the_former_name_of_camera(void **state)
@@ -292,7 +301,11 @@ static const char *const REFUSED[] = {
     "--scene a --clock slow",
     "--scene a --until 1s --loop",
     "--scene a --clock virtual --speed 2",
-    "--scene a --save b.png",
+    "--scene a --save b.tif",
+    "--scene a --save png",
+    "--scene a --exposure 1",
+    "--scene a --save b.exr --exposure 1",
+    "--scene a --save b.png --exposure 65",
     "--scene a --planes",
     "--scene a --planes=",
     "--scene a --planes albedo,",
@@ -435,7 +448,7 @@ int main(void)
         cmocka_unit_test(defaults),
         cmocka_unit_test(a_final_picture),
         cmocka_unit_test(everything_said),
-        cmocka_unit_test(planes),
+        cmocka_unit_test(saving),
         cmocka_unit_test(the_former_name_of_camera),
         cmocka_unit_test(gaze),
         cmocka_unit_test(viewer),

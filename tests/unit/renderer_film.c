@@ -343,7 +343,7 @@ static void save(void **state)
     const char *path = files_path("film.exr");
     FILE *file = fopen(path, "wb");
     assert_non_null(file);
-    assert_true(rnd_render_save(render, file, path, error));
+    assert_true(rnd_render_save(render, file, path, &(struct rnd_exposure){0}, error));
     assert_int_equal(fclose(file), 0);
     assert_true(file_holds(path, "envmap"));
 

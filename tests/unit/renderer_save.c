@@ -1,7 +1,9 @@
-/* What is saved of a film: channels, and planes whose values are known. */
+/* What is saved of a film: channels and planes whose values are known, pictures for displays, and what marks
+ * a file as a panorama. */
 #include "renderer_room.h"
 
 #include "math/half.h"
+#include "math/srgb.h"
 #include "render.h"
 
 static struct rnd_render *make_with_planes(const struct rnd_scene *scene, uint32_t planes)
@@ -18,13 +20,13 @@ static struct rnd_render *make_with_planes(const struct rnd_scene *scene, uint32
     return render;
 }
 
-static const char *save_as(struct rnd_render *render, const char *name)
+static const char *save_as(struct rnd_render *render, const char *name, struct rnd_exposure exposure)
 {
     const char *path = files_path(name);
     char error[RND_ERROR_SIZE];
     FILE *file = fopen(path, "wb");
     assert_non_null(file);
-    if (!rnd_render_save(render, file, path, error)) fail_msg("%s", error);
+    if (!rnd_render_save(render, file, path, &exposure, error)) fail_msg("%s", error);
     assert_int_equal(fclose(file), 0);
     return path;
 }
@@ -142,7 +144,7 @@ static void planes(void **state)
     assert_true(inside > 10000 && edge > 100 && sky > 50000 && empty > 100);
 
     /* the file has the same values: those of planes bit for bit */
-    const char *path = save_as(render, "planes.exr");
+    const char *path = save_as(render, "planes.exr", (struct rnd_exposure){0});
     for (int c = 0; c < seen.count; c++) {
         char error[RND_ERROR_SIZE];
         int width, height;
@@ -204,9 +206,224 @@ static void own_channels(void **state)
     rnd_render_destroy(render);
 }
 
+/* --- pictures for displays --- */
+
+static float *read_picture(const char *path)
+{
+    char error[RND_ERROR_SIZE];
+    int width, height;
+    float *rgb = rnd_image_read(path, &width, &height, NULL, error);
+    if (!rgb) fail_msg("%s", error);
+    assert_true(width == WIDTH && height == HEIGHT);
+    return rgb;
+}
+
+/* A picture has what clients are shown, which has no holes, brighter by the exposure. */
+static void pictures(void **state)
+{
+    (void)state;
+    static const struct rnd_exposure exposures[] = {{0}, {.stops = 2}, {.stops = -3}};
+    static float shown[3 * PIXELS], tile[RND_TILE * RND_TILE * 3];
+    struct rnd_render *render = make(room, WIDTH, "fv", 2);
+    const struct rnd_aim aim = files_aim(0, 0, -1);
+    struct rnd_batch batch;
+    int holes = 0, dark = 0;
+    rnd_render_outline(render, &aim, 1, &batch);
+    rnd_render_batch(render, &aim, 1, 30000, &batch);
+    for (int t = 0; t < TILES; t++) {
+        const int left = t % (WIDTH / RND_TILE) * RND_TILE, top = t / (WIDTH / RND_TILE) * RND_TILE;
+        assert_true(rnd_render_read(render, 0, left / RND_TILE, top / RND_TILE, tile, NULL));
+        for (int y = 0; y < RND_TILE; y++)
+            memcpy(&shown[3 * ((top + y) * WIDTH + left)], &tile[3 * RND_TILE * y],
+                   3 * RND_TILE * sizeof *tile);
+    }
+    for (size_t k = 0; k < sizeof exposures / sizeof *exposures; k++) {
+        float *png = read_picture(save_as(render, "shown.png", exposures[k])),
+              *jpg = read_picture(save_as(render, "shown.JPG", exposures[k]));
+        double apart = 0;
+        for (int i = 0; i < 3 * PIXELS; i++) {
+            const double expected = (double)rnd_srgb_encode(shown[i] * exp2f((float)exposures[k].stops));
+            assert_float_equal(rnd_srgb_encode(png[i]), expected, 0.51 / 255);
+            apart += fabs((double)rnd_srgb_encode(jpg[i]) - expected);
+        }
+        assert_true(apart / (3 * PIXELS) < 0.03); /* the noise of a few paths is hard for a JPEG */
+        free(png);
+        free(jpg);
+    }
+    static float samples[PIXELS];
+    rnd_render_resolve(render, NULL, samples, NULL);
+    for (int i = 0; i < PIXELS; i++) holes += samples[i] == 0;
+    for (int i = 0; i < PIXELS; i++) dark += shown[3 * i] + shown[3 * i + 1] + shown[3 * i + 2] <= 0;
+    print_message("%d pixels have no path, %d are shown black\n", holes, dark);
+    assert_true(holes > PIXELS / 2 && dark < PIXELS / 20);
+
+    /* automatic: half of the sphere, by solid angle, is above middle grey; by blocks, as pixels are noisy */
+    float *rgb = read_picture(save_as(render, "auto.png", (struct rnd_exposure){.automatic = true}));
+    double above = 0, all = 0;
+    for (int b = 0; b < PIXELS / 1024; b++) {
+        const int x = b % (WIDTH / 32) * 32, y = b / (WIDTH / 32) * 32;
+        const double weight = cos(((y + 16.0) / HEIGHT - 0.5) * M_PI);
+        double sum = 0;
+        for (int p = 0; p < 1024; p++) {
+            const float *c = &rgb[3 * ((y + p / 32) * WIDTH + x + p % 32)];
+            sum += 0.2126 * (double)c[0] + 0.7152 * (double)c[1] + 0.0722 * (double)c[2];
+        }
+        above += sum / 1024 > 0.17 ? weight : 0; /* bright pixels are clipped, which darkens blocks */
+        all += weight;
+    }
+    print_message("%.0f %% of the sphere are above middle grey\n", 100 * above / all);
+    assert_true(above / all > 0.35 && above / all < 0.65);
+    free(rgb);
+    rnd_render_destroy(render);
+}
+
+/* --- marks of panoramas --- */
+
+static uint8_t bytes[1 << 20];
+
+static size_t read_bytes(const char *path)
+{
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    const size_t count = fread(bytes, 1, sizeof bytes, file);
+    assert_true(count < sizeof bytes);
+    fclose(file);
+    return count;
+}
+
+static uint32_t big_endian(const uint8_t *from, int count)
+{
+    uint32_t value = 0;
+    for (int i = 0; i < count; i++) value = value << 8 | from[i];
+    return value;
+}
+
+/* Google's Photo Sphere XMP metadata of a whole panorama of 64 x 32 pixels. */
+static void assert_gpano(const char *xmp, size_t count)
+{
+    static const char *const properties[] = {"UsePanoramaViewer=\"True\"",
+                                             "ProjectionType=\"equirectangular\"",
+                                             "PoseHeadingDegrees=\"0\"",
+                                             "FullPanoWidthPixels=\"64\"",
+                                             "FullPanoHeightPixels=\"32\"",
+                                             "CroppedAreaImageWidthPixels=\"64\"",
+                                             "CroppedAreaImageHeightPixels=\"32\"",
+                                             "CroppedAreaLeftPixels=\"0\"",
+                                             "CroppedAreaTopPixels=\"0\""};
+    static const char name[] = "xmlns:GPano=\"http://ns.google.com/photos/1.0/panorama/\"";
+    assert_true(count > 12 && !memcmp(xmp, "<?xpacket", 9) && !memcmp(xmp + count - 2, "?>", 2));
+    assert_non_null(memmem(xmp, count, name, strlen(name)));
+    for (size_t i = 0; i < sizeof properties / sizeof *properties; i++) {
+        char text[64];
+        snprintf(text, sizeof text, " GPano:%s", properties[i]);
+        if (!memmem(xmp, count, text, strlen(text))) fail_msg("no%s in %.*s", text, (int)count, xmp);
+    }
+}
+
+/* Find the XMP of a PNG: the second chunk. NULL if that is none. All chunks must be in form. */
+static const char *png_xmp(size_t count, size_t *out_count)
+{
+    static const char head[] = "XML:com.adobe.xmp\0\0\0\0"; /* and one more */
+    static uint8_t again[sizeof bytes];
+    const char *found = NULL;
+    int number = 0;
+    size_t at = 8;
+    for (; at + 12 <= count; number++) {
+        const uint32_t size = big_endian(bytes + at, 4);
+        char type[5] = "";
+        assert_true(size <= count - at - 12);
+        memcpy(type, bytes + at + 4, 4);
+        assert_int_equal(files_chunk(again, type, bytes + at + 8, size), size + 12);
+        assert_memory_equal(again, bytes + at, size + 12); /* with its checksum */
+        if (number == 0) assert_string_equal(type, "IHDR");
+        if (!strcmp(type, "iTXt")) {
+            assert_int_equal(number, 1);
+            assert_memory_equal(bytes + at + 8, head, sizeof head);
+            found = (const char *)bytes + at + 8 + sizeof head;
+            *out_count = size - sizeof head;
+        }
+        at += size + 12;
+    }
+    assert_int_equal(at, count);
+    return found;
+}
+
+/* Find the XMP of a JPEG: one of its segments APP1. */
+static const char *jpeg_xmp(size_t count, size_t *out_count)
+{
+    static const char head[] = "http://ns.adobe.com/xap/1.0/"; /* with its end */
+    for (size_t at = 2; at + 4 < count && bytes[at] == 0xff && bytes[at + 1] != 0xda;) {
+        const uint32_t size = big_endian(bytes + at + 2, 2);
+        assert_true(size >= 2 && size <= count - at - 2);
+        if (bytes[at + 1] == 0xe1 && size > 2 + sizeof head && !memcmp(bytes + at + 4, head, sizeof head)) {
+            *out_count = size - 2 - sizeof head;
+            return (const char *)bytes + at + 4 + sizeof head;
+        }
+        at += 2 + size;
+    }
+    return NULL;
+}
+
+static void panoramas(void **state)
+{
+    (void)state;
+    enum { W = 64, H = 32 };
+    static const char envmap[] = "envmap\0envmap\0\1\0\0\0"; /* and one byte, 0: latitude and longitude */
+    static float rgb[3 * W * H];
+    char error[RND_ERROR_SIZE];
+    for (int i = 0; i < 3 * W * H; i++) rgb[i] = (float)i / (3 * W * H);
+    for (int marked = 0; marked < 2; marked++) {
+        static const char *const names[] = {"a.png", "a.PNG", "a.jpg", "a.jpeg"};
+        for (int k = 0; k < 4; k++) {
+            const char *path = files_path(names[k]);
+            size_t size = 0;
+            if (!files_image(path, W, H, rgb, marked, error)) fail_msg("%s", error);
+            const size_t count = read_bytes(path);
+            const char *xmp = k < 2 ? png_xmp(count, &size) : jpeg_xmp(count, &size);
+            if (marked && !xmp) fail_msg("%s is not marked", names[k]);
+            if (marked)
+                assert_gpano(xmp, size);
+            else
+                assert_true(!xmp && !memmem(bytes, count, "GPano", 5));
+            float *back = rnd_image_read(path, &(int){0}, &(int){0}, NULL, error);
+            if (!back) fail_msg("%s", error);
+            free(back);
+        }
+        if (!files_image(files_path("a.exr"), W, H, rgb, marked, error)) fail_msg("%s", error);
+        const size_t count = read_bytes(files_path("a.exr"));
+        assert_int_equal(memmem(bytes, count, envmap, sizeof envmap) != NULL, marked);
+    }
+}
+
+/* The same picture is the same file, whatever the time of day and the letters of its name. */
+static void same_file(void **state)
+{
+    (void)state;
+    enum { KINDS = 3 };
+    static uint8_t first[KINDS][sizeof bytes / 8];
+    static size_t size[KINDS];
+    static float rgb[3 * 64 * 32];
+    static const char *const names[2][KINDS] = {{"b.exr", "b.png", "b.jpg"}, {"b.EXR", "b.Png", "b.JPG"}};
+    char error[RND_ERROR_SIZE];
+    for (int turn = 0; turn < 2; turn++) {
+        if (turn > 0) sleep(1); /* a date in the file would be another one */
+        for (int k = 0; k < KINDS; k++) {
+            const char *path = files_path(names[turn][k]);
+            if (!files_image(path, 64, 32, rgb, true, error)) fail_msg("%s", error);
+            const size_t count = read_bytes(path);
+            assert_true(count <= sizeof first[k]);
+            if (turn == 0) memcpy(first[k], bytes, size[k] = count);
+            assert_int_equal(count, size[k]);
+            assert_memory_equal(bytes, first[k], count);
+        }
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(planes), cmocka_unit_test(planes_apart),
-                                       cmocka_unit_test(own_channels)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(planes),   cmocka_unit_test(planes_apart), cmocka_unit_test(own_channels),
+        cmocka_unit_test(pictures), cmocka_unit_test(panoramas),    cmocka_unit_test(same_file),
+    };
     return cmocka_run_group_tests_name("renderer_save", tests, setup, teardown);
 }

@@ -279,7 +279,7 @@ static void outlived(void **state)
         const char *path = files_path("outlived.exr");
         FILE *file = fopen(path, "wb");
         assert_non_null(file);
-        if (!rnd_render_save(render, file, path, error)) fail_msg("%s", error);
+        if (!rnd_render_save(render, file, path, &(struct rnd_exposure){0}, error)) fail_msg("%s", error);
         assert_int_equal(fclose(file), 0);
         rnd_render_destroy(render);
         rnd_scene_destroy(next);
