@@ -13,6 +13,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "autosave.h"
 #include "edits.h"
 #include "file.h"
 #include "jobs.h"
@@ -64,6 +65,7 @@ struct daemon {
     struct dmn_loop *loop;
     struct dmn_bar bar;
     struct dmn_told told;
+    struct dmn_autosave autosave;
     FILE *out; /* for people: stdout, unless a JSON object goes there */
 };
 
@@ -211,6 +213,14 @@ static void on_tick(void *argument)
     dmn_report_recording(&daemon->told, &gaze);
     dmn_painter_work(daemon->handles.painter, &work);
     dmn_report_progress(&daemon->bar, &daemon->options, &work);
+    if (daemon->options.save_every > 0) dmn_autosave_tick(&daemon->autosave, &daemon->handles);
+}
+
+static void on_job_done(void *argument, const struct dmn_job *job)
+{
+    struct daemon *daemon = argument;
+
+    dmn_autosave_done(&daemon->autosave, job);
 }
 
 static bool start(struct daemon *daemon)
@@ -224,6 +234,7 @@ static bool start(struct daemon *daemon)
         .listeners = daemon->listeners,
         .tls = daemon->tls,
         .tick = on_tick,
+        .job_done = on_job_done,
         .context = daemon,
     };
     struct dmn_painter_options painter = {

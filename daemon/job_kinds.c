@@ -1,4 +1,4 @@
-/* The kinds of job that clients ask for. */
+/* The kinds of job. */
 #include "job_kinds.h"
 #include "save.h"
 

@@ -1,7 +1,9 @@
-/* jobs: requests of clients that wait for the disk. A thread of their own does one after the other, so that
- * the loop never waits. job_kinds.h has the kinds of job. */
+/* jobs: what waits for the disk: requests of clients, and fovead's own saves. A thread of their own does one
+ * after the other, so that the loop never waits. job_kinds.h has the kinds of job. */
 #ifndef FOVEAD_DAEMON_JOBS_H
 #define FOVEAD_DAEMON_JOBS_H
+
+#include <limits.h>
 
 #include "gaze.h"
 #include "handles.h"
@@ -18,9 +20,9 @@ struct dmn_job_kind {
 
 struct dmn_job {
     const struct dmn_job_kind *kind;
-    unsigned client; /* number of the client that asked */
+    unsigned client; /* number of the client that asked; 0: fovead itself */
     uint32_t request;
-    char path[1024];              /* of the file to write */
+    char path[PATH_MAX];          /* of the file to write */
     struct rnd_exposure exposure; /* of a picture for displays */
     bool replace;                 /* an existing file may be replaced */
     bool has_target;              /* of recentring; else the view's centre: */

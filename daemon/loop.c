@@ -8,7 +8,6 @@
 #include <libwebsockets.h>
 
 #include "edits.h"
-#include "jobs.h"
 #include "loop.h"
 #include "paint.h"
 #include "transport/connection.h"
@@ -124,9 +123,11 @@ static void on_wake(struct dmn_loop *loop)
     struct dmn_work work;
     struct dmn_job job;
 
-    while (dmn_jobs_take(handles->jobs, &job))
+    while (dmn_jobs_take(handles->jobs, &job)) {
+        if (!job.client) loop->options.job_done(loop->options.context, &job);
         for (struct dmn_connection *c = loop->connections; c; c = c->next)
             if (c->client && c->options.number == job.client) dmn_session_done(c->client, &job);
+    }
     if (handles->edits) dmn_edits_words(handles->edits, &loop->options.picture->scene);
     dmn_painter_work(handles->painter, &work);
     if (work.done) loop->stop = true;

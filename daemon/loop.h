@@ -3,6 +3,7 @@
 #define FOVEAD_DAEMON_LOOP_H
 
 #include "handles.h"
+#include "jobs.h"
 #include "listen.h"
 #include "picture.h"
 
@@ -18,6 +19,8 @@ struct dmn_loop_options {
     const struct dmn_tls *tls; /* for the listeners that speak it; NULL: none does */
     /* Four times a second. */
     void (*tick)(void *context);
+    /* A job that no client asked for is done. */
+    void (*job_done)(void *context, const struct dmn_job *job);
     void *context;
 };
 

@@ -445,6 +445,13 @@ static const struct dmn_option ROWS[] = {
      .take = take_save,
      .target = offsetof(struct dmn_options, save),
      .wants = "a name that ends in " DMN_IMAGE_ENDS},
+    {.name = "save-every",
+     .argument = "SECONDS",
+     .help = "write --save also every so many seconds, while fovead goes on; if a save takes longer than "
+             "that, intervals are left out",
+     INTO(save_every),
+     .number = {.low = 1, .high = 1e7, .unit = "seconds"},
+     .need = {{"--save"}, {"the real clock", clock_is_real}}},
     {.name = "exposure",
      .argument = "STOPS",
      .help = "brighten the .png or .jpg of --save by so many stops, or auto: half of the sphere above "

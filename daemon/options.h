@@ -32,6 +32,7 @@ struct dmn_options {
     struct pro_address viewer; /* where tev or HDRView listens */
     struct dmn_until until;
     const char *save;             /* NULL: not saved */
+    double save_every;            /* seconds; 0: only at the end */
     struct rnd_exposure exposure; /* of what is saved for displays */
     bool json;
     bool list_trackers;

@@ -63,6 +63,25 @@ done
 lost "$space" full/samples.png "$foveactl" samples good.exr full/samples.png --gaze short.gaze
 lost "$space" full/map.png "$foveactl" compare good.exr other.exr --map full/map.png
 
+# At intervals: a full disk is told once, the old file stays, and rendering goes on until there is room.
+rm -f full/*
+echo precious >full/auto.jpg
+fill 0
+kill -TERM "$daemon"
+wait "$daemon" || fail "the daemon ended with status $?"
+start --scene room.obj --size 128x64 --gaze synthetic:2 --save full/auto.jpg --save-every 1
+await 'a word on the full disk' grep -q "full/auto.jpg: cannot be written: $space" daemon.err
+sleep 2.5
+[ "$(cat full/auto.jpg)" = precious ] || fail 'lost what was in auto.jpg'
+"$foveactl" stats >/dev/null || fail 'the daemon does not go on'
+rm full/filler
+await 'a word that it works' grep -q 'the film is saved again: wrote full/auto.jpg' daemon.err
+"$programs/e2e_picture" full/auto.jpg 128 64 >/dev/null || fail 'no whole picture'
+[ "$(wc -l <daemon.err)" = 2 ] || fail "not two lines: $(cat daemon.err)"
+stop
+rm -f full/*
+start $small --gaze synthetic:2
+
 # Logs, their sidecars and charts.
 lost "$space" full/log.gaze "$foveactl" gaze convert short.gaze full/log.gaze --replace
 lost "$space" full/x_physio.tsv.gz "$foveactl" gaze convert short.gaze full/x_physio.tsv.gz --replace

@@ -1,5 +1,5 @@
 #!/bin/sh
-# What fovead saves: pictures for displays, marked as panoramas, and planes.
+# What fovead saves: at intervals while it runs, as pictures for displays that are marked as panoramas, and planes.
 . "$(dirname "$0")/common.sh"
 make_room
 make_log
@@ -19,6 +19,49 @@ marked() {
         [ "$(cat exif)" = "equirectangular $2 True " ] || fail "exiftool reads from $1: $(cat exif)"
     fi
 }
+
+# --- at intervals
+
+small="--scene room.obj --size 256x128 --gaze synthetic:7"
+start $small --save auto.exr --save-every 1
+await 'the first save' test -e auto.exr
+first=$(mean auto.exr samples)
+larger "$first" 0 || fail "an empty picture was saved: $first"
+grown() { larger "$(mean auto.exr samples)" "$first"; }
+await 'a better picture' grown
+"$foveactl" save asked.exr >/dev/null || fail 'clients cannot save meanwhile'
+saved_again() { larger "$(mean auto.exr samples)" "$(mean asked.exr samples)"; }
+await 'a picture after that' saved_again
+last=$(mean auto.exr samples)
+stop
+larger "$(mean auto.exr samples)" "$last" || fail 'the last picture is not that of the end'
+[ ! -s daemon.err ] || fail "the daemon complains: $(cat daemon.err)"
+
+# Killed at any time, it leaves the last whole picture.
+for pause in 0.3 0.9; do
+    rm auto.exr
+    start $small --save auto.exr --save-every 1
+    await 'the first save' test -e auto.exr
+    sleep $pause
+    kill -9 "$daemon"
+    wait "$daemon" || true
+    daemon=
+    larger "$(mean auto.exr samples)" 0 || fail 'the picture has gone'
+done
+
+# One that cannot be written is told once, and rendering goes on; so is the first that can be written again.
+mkdir away
+start $small --save away/auto.png --save-every 1
+await 'the first save' test -e away/auto.png
+mv away gone
+await 'a word that it fails' grep -q 'away/auto.png: cannot be written: No such file' daemon.err
+sleep 2.5
+"$foveactl" stats >/dev/null || fail 'the daemon does not go on'
+mkdir away
+await 'a word that it works' grep -q 'the film is saved again: wrote away/auto.png' daemon.err
+marked away/auto.png 256 128
+[ "$(wc -l <daemon.err)" = 2 ] || fail "not two lines: $(cat daemon.err)"
+stop
 
 # --- pictures for displays
 
@@ -64,3 +107,4 @@ done
 larger "$(mean some.exr albedo.R)" 0.5 && larger 0.5 "$(mean some.exr albedo.G)" || fail "albedo is not that of walls of 0.6 and some of 0.7,0.1,0.1"
 refused 'has no channel "normal.X"' "$programs/e2e_mean" some.exr normal.X
 refused "there is no 'depth', expected all or some of albedo,normal,position,coverage,instance" "$fovead" --scene room.obj --planes depth
+refused 'the real clock' "$fovead" --scene room.obj --gaze replay:short.gaze --clock virtual --save a.exr --save-every 5

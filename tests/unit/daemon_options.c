@@ -140,12 +140,12 @@ static void saving(void **state)
     struct dmn_options o;
 
     (void)state;
-    run("--scene a.gltf --save b.JPEG --exposure -1.5", &o);
+    run("--scene a.gltf --save b.JPEG --save-every 2.5 --exposure -1.5", &o);
     assert_string_equal(o.save, "b.JPEG");
-    assert_true(o.exposure.stops == -1.5 && !o.exposure.automatic);
+    assert_true(o.save_every == 2.5 && o.exposure.stops == -1.5 && !o.exposure.automatic);
     finish(&o);
     run("--scene a.gltf --save b.png --exposure auto", &o);
-    assert_true(o.exposure.automatic);
+    assert_true(o.save_every == 0 && o.exposure.automatic);
     finish(&o);
     for (size_t i = 0; i < sizeof(PLANES) / sizeof(*PLANES); i++) {
         char line[100];
@@ -303,6 +303,9 @@ static const char *const REFUSED[] = {
     "--scene a --clock virtual --speed 2",
     "--scene a --save b.tif",
     "--scene a --save png",
+    "--scene a --save-every 5",
+    "--scene a --save b.exr --save-every 0.5",
+    "--scene a --save b.exr --save-every 5 --clock virtual --gaze replay:x",
     "--scene a --exposure 1",
     "--scene a --save b.exr --exposure 1",
     "--scene a --save b.png --exposure 65",
