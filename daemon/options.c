@@ -3,198 +3,13 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "arguments.h"
 #include "image_options.h"
 #include "numbers.h"
 #include "option.h"
 #include "options.h"
 
 #define INTO(field) DMN_INTO(struct dmn_options, field)
-
-/* --- arguments of their own kind --- */
-
-static bool take_sun(const struct dmn_option *option, const char *text, void *values, char *out_error)
-{
-    struct dmn_options *out = values;
-    double n[4];
-
-    (void)out_error;
-    if (!dmn_option_numbers(option, text, n) || n[1] < -90 || n[1] > 90 || n[2] < 0 || n[3] < 0 || n[3] > 90)
-        return false;
-    for (int i = 0; i < 4; i++) out->scene.sun[i] = (float)n[i];
-    return out->scene.has_sun = true;
-}
-
-static bool take_camera(const struct dmn_option *option, const char *text, void *values, char *out_error)
-{
-    struct dmn_options *out = values;
-
-    (void)out_error;
-    return out->scene.has_camera = dmn_option_numbers(option, text, out->scene.camera);
-}
-
-static bool take_fov(const struct dmn_option *option, const char *text, void *values, char *out_error)
-{
-    struct dmn_options *out = values;
-    double n[2];
-
-    (void)out_error;
-    if (!dmn_option_numbers(option, text, n)) return false;
-    for (int i = 0; i < 2; i++) out->fov[i] = (float)(n[i] * M_PI / 180);
-    return true;
-}
-
-static bool take_size(const struct dmn_option *option, const char *text, void *values, char *out_error)
-{
-    struct dmn_options *out = values;
-    int width, height;
-
-    (void)option, (void)out_error;
-    if (!dmn_parse_size(text, &width, &height) || width % (2 * RND_TILE) || width > RND_MAX_WIDTH ||
-        (height && 2 * height != width))
-        return false;
-    out->render.width = width;
-    out->render.height = width / 2;
-    return true;
-}
-_Static_assert(2 * RND_TILE == 128 && RND_MAX_WIDTH == 32768, "the row of --size names other numbers");
-
-static bool take_mode(const struct dmn_option *option, const char *text, void *values, char *out_error)
-{
-    struct dmn_options *out = values;
-
-    (void)option;
-    out->render.distribution = rnd_distribution_find(text);
-    if (!out->render.distribution) snprintf(out_error, DMN_OPTION_ERROR_SIZE, "there is no '%s'", text);
-    return out->render.distribution;
-}
-
-static const char *mode_at(size_t index, const char **out_summary)
-{
-    const struct rnd_distribution *mode = rnd_distribution_at(index);
-
-    *out_summary = mode ? mode->summary : NULL;
-    return mode ? mode->name : NULL;
-}
-
-/* A source by its index: --gaze takes a source and its argument. */
-static const char *gaze_at(size_t index, const char **out_summary)
-{
-    const struct trk_source_kind *kind = trk_source_kind_at(index);
-
-    *out_summary = kind ? kind->summary : NULL;
-    return kind ? kind->usage : NULL;
-}
-
-static bool take_listen(const struct dmn_option *option, const char *text, void *values, char *out_error)
-{
-    struct dmn_options *out = values;
-
-    (void)option;
-    if (text && !strncmp(text, "https:", strlen("https:"))) {
-        snprintf(out_error, DMN_OPTION_ERROR_SIZE, "%.200s: give it as http:%.200s, and --tls CERT,KEY", text,
-                 text + strlen("https:"));
-        return false;
-    }
-    if (out->listens == DMN_MAX_LISTEN) {
-        snprintf(out_error, DMN_OPTION_ERROR_SIZE, "%d addresses at most", DMN_MAX_LISTEN);
-        return false;
-    }
-    return pro_address_parse(text, &out->listen[out->listens], out_error) && ++out->listens;
-}
-_Static_assert((int)DMN_OPTION_ERROR_SIZE >= (int)PRO_ERROR_SIZE, "an address's error has no room");
-
-static bool take_tls(const struct dmn_option *option, const char *text, void *values, char *out_error)
-{
-    struct dmn_options *out = values;
-    const char *comma = strchr(text, ',');
-
-    (void)option, (void)out_error;
-    if (!comma || comma == text || !comma[1] || strchr(comma + 1, ',') ||
-        (size_t)(comma - text) >= sizeof(out->tls_certificate))
-        return false;
-    snprintf(out->tls_certificate, sizeof(out->tls_certificate), "%.*s", (int)(comma - text), text);
-    out->tls_key = comma + 1;
-    return true;
-}
-
-/* HOST or HOST:PORT; an IPv6 address is in brackets. */
-static bool take_tev(const struct dmn_option *option, const char *text, void *values, char *out_error)
-{
-    struct dmn_options *out = values;
-    const bool has_port = *text == '[' ? strstr(text, "]:") : strchr(text, ':');
-    char address[sizeof(out->viewer.host) + 16], error[PRO_ERROR_SIZE];
-    const int length = has_port ? snprintf(address, sizeof(address), "tcp:%s", text)
-                                : snprintf(address, sizeof(address), "tcp:%s:%d", text, PRO_TEV_PORT);
-
-    (void)option, (void)out_error;
-    if ((size_t)length >= sizeof(address) || !text[strspn(text, "0123456789")]) return false;
-    return out->has_viewer = pro_address_parse(address, &out->viewer, error);
-}
-_Static_assert(PRO_TEV_PORT == 14158, "the row of --tev names another port");
-
-static bool take_until(const struct dmn_option *option, const char *text, void *values, char *out_error)
-{
-    (void)option, (void)out_error;
-    return dmn_until_parse(text, &((struct dmn_options *)values)->until);
-}
-
-static bool take_save(const struct dmn_option *option, const char *text, void *values, char *out_error)
-{
-    return dmn_image_is_named(text) && dmn_take_text(option, text, values, out_error);
-}
-
-/* The plane of that name, length bytes of text; -1: there is none. */
-static int find_plane(const char *text, size_t length)
-{
-    const char *name, *summary;
-
-    for (int i = 0; (name = rnd_plane_at((size_t)i, &summary)); i++)
-        if (strlen(name) == length && !strncmp(name, text, length)) return i;
-    return -1;
-}
-
-static bool refuse_plane(const char *text, char *out_error)
-{
-    const char *name, *summary;
-
-    snprintf(out_error, DMN_OPTION_ERROR_SIZE, "there is no '%.*s', expected all or some of ",
-             (int)strcspn(text, ","), text);
-    for (size_t i = 0; (name = rnd_plane_at(i, &summary)); i++) {
-        const size_t length = strlen(out_error);
-
-        snprintf(out_error + length, DMN_OPTION_ERROR_SIZE - length, "%s%s", i ? "," : "", name);
-    }
-    return false;
-}
-
-static bool take_planes(const struct dmn_option *option, const char *text, void *values, char *out_error)
-{
-    uint32_t *planes = &((struct dmn_options *)values)->render.planes;
-    const bool all = !strcmp(text, "all");
-    const char *summary;
-    size_t length;
-
-    (void)option;
-    *planes = 0;
-    for (size_t i = 0; all && rnd_plane_at(i, &summary); i++) *planes |= 1u << i;
-    for (; !all; text += length + 1) {
-        const int plane = find_plane(text, length = strcspn(text, ","));
-
-        if (plane < 0) return refuse_plane(text, out_error);
-        *planes |= 1u << plane;
-        if (!text[length]) break;
-    }
-    return true;
-}
-
-static bool take_clock(const struct dmn_option *option, const char *text, void *values, char *out_error)
-{
-    struct dmn_options *out = values;
-
-    (void)option, (void)out_error;
-    out->virtual_clock = !strcmp(text, "virtual");
-    return out->virtual_clock || !strcmp(text, "real");
-}
 
 /* --- what options need --- */
 
@@ -278,7 +93,7 @@ static const struct dmn_option ROWS[] = {
      .help =
          "a sun: degrees right of -Z, elevation in degrees, irradiance on a surface that faces it, angular "
          "diameter in degrees (the real one: 0.53)",
-     .take = take_sun,
+     .take = dmn_take_sun,
      .number = {.count = 4, .low = -FLT_MAX, .high = FLT_MAX},
      .wants =
          "AZIMUTH,ELEVATION,IRRADIANCE,DIAMETER, elevation from -90 to 90 and diameter from 0 to 90 degrees"},
@@ -287,7 +102,7 @@ static const struct dmn_option ROWS[] = {
      .argument = "X,Y,Z",
      .help = "position of the camera, m; default: that of the first camera in the file, else the middle of "
              "the scene. foveactl move changes it",
-     .take = take_camera,
+     .take = dmn_take_camera,
      .number = {.count = 3, .low = -DMN_FARTHEST, .high = DMN_FARTHEST, .unit = "m"}},
     {.name = "watch",
      .help = "read the scene again when its file changes, or the --env, or a file that the scene names in "
@@ -311,7 +126,7 @@ static const struct dmn_option ROWS[] = {
      .argument = "WxH | W",
      .help = "size of the film in pixels: W is a multiple of 128, up to 32768, and H is half of W; default: "
              "4096x2048",
-     .take = take_size,
+     .take = dmn_take_size,
      .wants = "a width that is a multiple of 128, up to 32768, and half of it as height"},
     {.name = "bounces",
      .argument = "N",
@@ -345,7 +160,7 @@ static const struct dmn_option ROWS[] = {
      .argument = "SOURCE",
      .help = "where the gaze comes from:",
      INTO(gaze),
-     .value_at = gaze_at},
+     .value_at = dmn_gaze_usage_at},
     {.name = "list-trackers",
      .help = "list the eye trackers that are plugged in, what they can do, and why one cannot be opened; "
              "then exit",
@@ -386,8 +201,8 @@ static const struct dmn_option ROWS[] = {
     {.name = "mode",
      .argument = "MODE",
      .help = "where samples fall:",
-     .take = take_mode,
-     .value_at = mode_at},
+     .take = dmn_take_mode,
+     .value_at = dmn_mode_at},
     {.name = "display-ppd",
      .argument = "N",
      .help = "pixels per degree of the display: samples are no denser than the display can show; default: as "
@@ -398,7 +213,7 @@ static const struct dmn_option ROWS[] = {
     {.name = "fov",
      .argument = "X,Y",
      .help = "field of view of --mode vp, degrees; default: 100,100",
-     .take = take_fov,
+     .take = dmn_take_fov,
      .number = {.count = 2, .low = 0, .high = 180, .open = true, .unit = "degrees"},
      .need = {{"--mode vp", mode_has_viewport}}},
 
@@ -411,13 +226,13 @@ static const struct dmn_option ROWS[] = {
          "/tmp/fovead-UID/fovead.sock, both for this user alone. If FOVEAD_TOKEN is set in the environment, "
          "clients on TCP must send the same token; without, addresses that other machines can reach are "
          "refused",
-     .take = take_listen},
+     .take = dmn_take_listen},
     {.name = "tls",
      .argument = "CERT,KEY",
      .help =
          "speak TLS on http: listeners, which are then opened as https:, and need this for WebXR in a "
          "headset on the network; PEM files of a certificate and its key. tcp: listeners stay without TLS",
-     .take = take_tls,
+     .take = dmn_take_tls,
      .wants = "two PEM files, CERT,KEY, with one comma",
      .need = {{"--listen http:HOST:PORT", listens_for_browsers}}},
     {.name = "tev",
@@ -425,7 +240,7 @@ static const struct dmn_option ROWS[] = {
      .help = "show the picture in tev or HDRView, which listen at 127.0.0.1, port 14158: with channels as "
              "--save has "
              "them, and where the eye looks. fovead connects whenever a viewer is there",
-     .take = take_tev,
+     .take = dmn_take_tev,
      .wants = "HOST or HOST:PORT, with a port from 1 to 65535 and an IPv6 address in brackets"},
 
     {.help = "How it ends"},
@@ -435,14 +250,14 @@ static const struct dmn_option ROWS[] = {
              "converged: when every tile has converged (needs --mode od); end: when the gaze recording has "
              "ended; default: at SIGINT, SIGTERM or SIGHUP. When a move or an edit begins the picture anew, "
              "the count begins anew too",
-     .take = take_until,
+     .take = dmn_take_until,
      .wants = "a number with spp or s, converged, or end"},
     {.name = "save",
      .argument = "FILE",
      .help = "at the end write the picture, also when a signal ends fovead, unless another signal comes a "
              "second or more after the first. An .exr has colour, sample counts, errors and --planes as "
              "channels; a .png or .jpg is as displays show it. All are marked as 360-degree panoramas",
-     .take = take_save,
+     .take = dmn_take_save,
      .target = offsetof(struct dmn_options, save),
      .wants = "a name that ends in " DMN_IMAGE_ENDS},
     {.name = "save-every",
@@ -465,7 +280,7 @@ static const struct dmn_option ROWS[] = {
      .argument = "NAMES",
      .help = "keep what paths hit first, for the channels of every saved .exr; this takes memory. all, or "
              "some of these with commas between them:",
-     .take = take_planes,
+     .take = dmn_take_planes,
      .value_at = rnd_plane_at},
     {.name = "json",
      .help = "print the summary as one JSON object on stdout, and everything else on stderr",
@@ -474,7 +289,7 @@ static const struct dmn_option ROWS[] = {
      .argument = "real|virtual",
      .help = "virtual: every batch of 4096 paths counts as 5 ms, however long it takes, so that the same "
              "scene, log and seed give the same file byte for byte with any number of threads",
-     .take = take_clock,
+     .take = dmn_take_clock,
      .wants = "real or virtual"},
     {0},
 };
@@ -551,7 +366,7 @@ enum dmn_parsed dmn_options_parse(int argc, char **argv, struct dmn_options *out
     if (out_options->virtual_clock && kind_of(out_options) && kind_of(out_options)->needs_real_clock)
         return dmn_option_refuse(&SET, "--gaze %s needs the real clock", out_options->gaze), DMN_REFUSED;
     if (!out_options->listens && out_options->until.kind == DMN_UNTIL_STOPPED &&
-        !take_listen(NULL, NULL, out_options, error))
+        !dmn_take_listen(NULL, NULL, out_options, error))
         return dmn_option_refuse(&SET, "--listen: %s", error), DMN_REFUSED;
     return DMN_RUN;
 }

@@ -40,8 +40,7 @@ static double acuity_total(void)
     return total;
 }
 
-/* The eccentricity at which the integral reaches the share u of its total, by bisection over the quadrature.
- */
+/* The eccentricity at which the integral reaches the share u of its total: bisection over the quadrature. */
 static double eccentricity_by_quadrature(double u, const double cumulative[81])
 {
     const double h = u * cumulative[80];
@@ -324,8 +323,7 @@ static double cell_mass(const struct rnd_distribution *distribution, const struc
     return sum * 2.0 * M_PI * M_PI / ((double)CELLS * parts * parts);
 }
 
-/* Integrate over all cells, with more points in cells that the edge of the distribution crosses. Returns the
- * sum. */
+/* Integrate over all cells, with more points where the edge of the distribution is. Returns the sum. */
 static double cell_masses(const struct rnd_distribution *distribution, const struct rnd_aim *aim,
                           double mass[CELLS])
 {
