@@ -97,12 +97,14 @@ export function decode(page, png) {
 
 // The pixels of the view as they are on the screen, without the panel and its button.
 export async function pixels(page) {
-  await page.evaluate(() => {
+  const clip = await page.evaluate(() => {
     document.getElementById('panel').classList.add('hidden');
     document.getElementById('toggle').hidden = true;
     window.fovead.picture.trail = false;
+    const { x, y, width, height } = document.getElementById('view').getBoundingClientRect();
+    return { x, y, width, height };
   });
-  return decode(page, await page.locator('#view').screenshot());
+  return decode(page, await page.screenshot({ clip }));
 }
 
 // Look there, in degrees, and wait until the frame that shows it has been drawn.

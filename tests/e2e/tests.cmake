@@ -32,7 +32,8 @@ if(NOT SANITIZE)
   endforeach()
   # The page is tested in a real browser, which is slow enough without a sanitizer.
   add_test(NAME browser_page COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/browser/page.sh ${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR})
-  set_tests_properties(browser_page PROPERTIES LABELS "e2e" SKIP_RETURN_CODE 77)
+  # It runs alone: a browser that draws without a GPU shows hardly a frame beside other work.
+  set_tests_properties(browser_page PROPERTIES LABELS "e2e" SKIP_RETURN_CODE 77 RUN_SERIAL ON)
   # A build with sanitizers is not hardened in the way that two of these tests check, and a program that is killed
   # reports nothing to a sanitizer.
   foreach(name hardened kills service)
