@@ -293,10 +293,10 @@ static bool measure(const struct setup *setup, int loops, int readers, int stuck
         pthread_join(run.client[i].thread, NULL);
         ok = ok && !run.client[i].failed;
     }
+    if (ok) evaluate(&run, figure);
     for (int i = 0; i < stuck; i++) pro_disconnect(held[i]);
     bench_daemon_end(&run.daemon);
     for (int i = 0; i < run.loops; i++) bench_end(run.loop[i], SIGKILL);
-    if (ok) evaluate(&run, figure);
     return ok;
 }
 
