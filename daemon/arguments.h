@@ -1,5 +1,5 @@
-/* arguments: what the options of fovead's command line take that is neither a number nor a text. Each function reads
- * text into the struct dmn_options at values, as struct dmn_option's take() says. */
+/* arguments: what the options of fovead's command line take that is neither a number nor a text. Each
+ * function reads text into the struct dmn_options at values, as struct dmn_option's take() says. */
 #ifndef FOVEAD_DAEMON_ARGUMENTS_H
 #define FOVEAD_DAEMON_ARGUMENTS_H
 

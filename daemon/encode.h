@@ -1,5 +1,5 @@
-/* encode: tiles as clients are sent them. The newest are kept, so that clients that want the same tile in the same
- * encoding share the work of reconstructing and encoding it. For the loop's thread alone. */
+/* encode: tiles as clients are sent them. The newest are kept, so that clients that want the same tile in the
+ * same encoding share the work of reconstructing and encoding it. For the loop's thread alone. */
 #ifndef FOVEAD_DAEMON_ENCODE_H
 #define FOVEAD_DAEMON_ENCODE_H
 
@@ -23,8 +23,8 @@ struct dmn_encoder {
     struct dmn_encoded kept[DMN_ENCODED];
 };
 
-/* The tile at a place: as it was encoded last, unless more is known of it by now. Valid until the next call. NULL if
- * it cannot be read, or memory is short. */
+/* The tile at a place: as it was encoded last, unless more is known of it by now. Valid until the next call.
+ * NULL if it cannot be read, or memory is short. */
 const struct dmn_encoded *dmn_encode(struct dmn_encoder *encoder, const struct dmn_picture *picture,
                                      const struct dmn_place *place, Fovea__Encoding encoding);
 void dmn_encoder_finish(struct dmn_encoder *encoder);

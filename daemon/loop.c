@@ -206,8 +206,9 @@ static bool adopt_file(struct dmn_loop *loop, int fd, const char *protocol, void
     return lws_adopt_descriptor_vhost_via_info(&adopt);
 }
 
-/* libwebsockets moves an HTTP request to whichever virtual host of the same port the Host header names. So the
- * virtual host for HTTP has a "port" of its own; neither value is a port that libwebsockets listens on. */
+/* libwebsockets moves an HTTP request to whichever virtual host of the same port the Host header names. So
+ * the virtual host for HTTP has a "port" of its own; neither value is a port that libwebsockets listens on.
+ */
 static bool open_vhosts(struct dmn_loop *loop, struct lws_context_creation_info *info)
 {
     for (int i = 0; i < DMN_TRANSPORTS; i++) {

@@ -3,6 +3,7 @@
 #include <stdbool.h>
 
 #include "mark.h"
+#include "numbers.h"
 
 enum { SIDES = 64 }; /* of the circle */
 static const double FOVEA_DEG = 2.5,
@@ -44,13 +45,16 @@ static void add(struct drawing *drawing, double x, double y, bool down)
 static void go(struct drawing *drawing, double distance_deg, double bearing, bool down)
 {
     const double distance = distance_deg * M_PI / 180, width = drawing->width;
-    double point[3], x, y, turn;
+    double x, y, turn;
+    float point[3];
 
     for (int i = 0; i < 3; i++)
-        point[i] = cos(distance) * drawing->gaze[i] +
-                   sin(distance) * (cos(bearing) * drawing->right[i] + sin(bearing) * drawing->up[i]);
-    x = (0.5 + atan2(point[0], -point[2]) / (2 * M_PI)) * width;
-    y = (0.5 - asin(fmax(-1, fmin(1, point[1]))) / M_PI) * drawing->height;
+        point[i] =
+            (float)(cos(distance) * drawing->gaze[i] +
+                    sin(distance) * (cos(bearing) * drawing->right[i] + sin(bearing) * drawing->up[i]));
+    dmn_angles(point, &x, &y);
+    x = (0.5 + x / 360) * width;
+    y = (0.5 - y / 180) * drawing->height;
     turn = x - drawing->x > width / 2 ? -width : drawing->x - x > width / 2 ? width : 0;
     if (down && turn != 0) {
         const double edge = turn > 0 ? width : 0, step = x + turn - drawing->x,

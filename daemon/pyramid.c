@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "numbers.h"
 #include "pyramid.h"
 #include "renderer.h"
 
@@ -136,9 +137,12 @@ float dmn_pyramid_density(const struct dmn_pyramid *pyramid)
 size_t dmn_pyramid_at(const struct dmn_pyramid *pyramid, const float gaze[3])
 {
     const struct dmn_level *level = &pyramid->level[0];
-    double across = atan2(gaze[0], -gaze[2]) / (2 * M_PI) + 0.5,
-           down = 0.5 - asin(fmax(-1, fmin(1, gaze[1]))) / M_PI;
-    int x = (int)(across * level->columns), y = (int)(down * level->rows);
+    double yaw_deg, pitch_deg;
+    int x, y;
+
+    dmn_angles(gaze, &yaw_deg, &pitch_deg);
+    x = (int)((0.5 + yaw_deg / 360) * level->columns);
+    y = (int)((0.5 - pitch_deg / 180) * level->rows);
 
     if (x >= level->columns) x = 0; /* the seam */
     if (y >= level->rows) y = level->rows - 1;

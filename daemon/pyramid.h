@@ -45,7 +45,8 @@ void dmn_pyramid_update(struct dmn_pyramid *pyramid);
 float dmn_pyramid_eccentricity(const struct dmn_pyramid *pyramid, int level, size_t index,
                                const float gaze[3]);
 
-/* The finest level of at most so many pixels across, or the coarsest level if all are wider. widest 0: any. */
+/* The finest level of at most so many pixels across, or the coarsest level if all are wider. widest 0: any.
+ */
 int dmn_pyramid_finest(const struct dmn_pyramid *pyramid, uint32_t widest);
 
 /* Pixels of level 0 per degree, at the horizon. */

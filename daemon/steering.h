@@ -24,8 +24,9 @@ struct dmn_steering {
     unsigned changes;        /* of first, so far */
 };
 
-/* A client shows a view, which is copied; NULL: none any more. asks: it asks to steer. A headset asks with its
- * first view, and with no later one, because its views follow the head. client lives until it shows none. */
+/* A client shows a view, which is copied; NULL: none any more. asks: it asks to steer. A headset asks with
+ * its first view, and with no later one, because its views follow the head. client lives until it shows none.
+ */
 void dmn_steering_show(struct dmn_steering *steering, struct dmn_shown *client,
                        const struct trk_view *view_or_null, bool headset, bool asks);
 

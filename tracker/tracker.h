@@ -394,8 +394,8 @@ void trk_attention_pace(struct trk_attention *attention, double speed);
  * Gaze at a screen (TRK_SCREEN) goes through it: the aim is the direction that the view shows at that point.
  * The eye's movements are those on the screen: when the view turns, the aim turns with it, and that is no
  * saccade. While the eye looks beside the view, the aim stays where it was in the view. Without a view, gaze
- * at a screen is what trk_gaze_direction() tells: the screen is then a window into the world, seen at its true
- * angle. */
+ * at a screen is what trk_gaze_direction() tells: the screen is then a window into the world, seen at its
+ * true angle. */
 void trk_attention_view(struct trk_attention *attention, const struct trk_view *view_or_null);
 
 /* --- recentring --- */
@@ -403,8 +403,8 @@ void trk_attention_view(struct trk_attention *attention, const struct trk_view *
 /* Correct the gaze of a headset that has slipped: the eyes look at target now (unit, world; NULL: the view's
  * centre). From now on all gaze is turned, in the head frame, by the rotation that takes the measured gaze
  * there. Gaze at a screen is turned in the screen's frame instead, before it goes through the view. It
- * replaces the former rotation. False with a line in out_error, and nothing is changed, if gaze does not rest,
- * if gaze goes through a view that does not show the target, or if the rotation would be larger than 20
+ * replaces the former rotation. False with a line in out_error, and nothing is changed, if gaze does not
+ * rest, if gaze goes through a view that does not show the target, or if the rotation would be larger than 20
  * degrees. */
 bool trk_recentre(struct trk_attention *attention, const float *target_or_null,
                   char out_error[TRK_ERROR_SIZE]);

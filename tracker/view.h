@@ -1,4 +1,5 @@
-/* view: points of a screen as directions, and back. What others may ask is in tracker.h: trk_view_direction().
+/* view: points of a screen as directions, and back. What others may ask is in tracker.h:
+ * trk_view_direction().
  *
  * Gaze at a screen is filtered and classified as seen from a desk: in degrees that the eye turns, before a
  * screen that stands still. Only its result goes through the view, so that a turn of the view is no movement

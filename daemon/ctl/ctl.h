@@ -2,6 +2,8 @@
 #ifndef FOVEAD_CTL_H
 #define FOVEAD_CTL_H
 
+#include <signal.h>
+
 #include <jansson.h>
 
 #include "daemon.h"
@@ -97,6 +99,11 @@ Fovea__Message *ctl_await(struct pro_client *client, Fovea__Message__BodyCase bo
 
 /* Send a request, and print the text of its Done. False after a line on stderr if it was not done. */
 bool ctl_request(struct pro_client *client, const Fovea__Message *message, double seconds);
+
+/* From this call on SIGINT, SIGTERM and SIGHUP only set ctl_interrupted, so that the command can end in
+ * order. */
+void ctl_catch_signals(void);
+extern volatile sig_atomic_t ctl_interrupted; /* the number of the signal; 0: none has come */
 
 /* Make a path absolute, since the daemon may run in another folder. The file need not exist. False after a
  * line on stderr. */

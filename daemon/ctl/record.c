@@ -1,15 +1,7 @@
 /* foveactl record: has the daemon record the gaze samples as they come from the source. */
 #include <math.h>
-#include <signal.h>
 
 #include "ctl.h"
-
-static volatile sig_atomic_t interrupted;
-
-static void on_interrupt(int number)
-{
-    interrupted = number;
-}
 
 static bool request(struct pro_client *client, bool on, const char *path, bool replace)
 {
@@ -41,7 +33,7 @@ static bool wait_for(struct pro_client *client, double seconds)
     char error[PRO_ERROR_SIZE];
     bool told = false;
 
-    while (!interrupted && dmn_now_ns() < end_ns) {
+    while (!ctl_interrupted && dmn_now_ns() < end_ns) {
         uint64_t left_ms = (end_ns - dmn_now_ns()) / 1000000 + 1;
         Fovea__Message *message;
         enum pro_result result = pro_receive(client, left_ms < 50 ? (int)left_ms : 50, &message, error);
@@ -56,10 +48,8 @@ static bool wait_for(struct pro_client *client, double seconds)
 
 static int run(const struct ctl *ctl)
 {
-    struct sigaction action = {.sa_handler = on_interrupt};
     const char *file = ctl->operand[0];
     char path[CTL_PATH_SIZE] = "";
-    struct sigaction before;
     struct pro_client *client;
     bool good;
 
@@ -70,13 +60,7 @@ static int run(const struct ctl *ctl)
     if (file && !ctl_make_absolute(file, path)) return 1;
     client = ctl_connect(ctl, FOVEA__ENCODING__ENCODING_NONE, false, isfinite(ctl->seconds));
     if (!client) return 1;
-    if (isfinite(ctl->seconds)) {
-        sigaction(SIGINT, &action, NULL);
-        sigaction(SIGTERM, &action, NULL);
-        /* After nohup(1) it goes on when the terminal is closed. */
-        if (!sigaction(SIGHUP, NULL, &before) && before.sa_handler != SIG_IGN)
-            sigaction(SIGHUP, &action, NULL);
-    }
+    if (isfinite(ctl->seconds)) ctl_catch_signals();
     good = request(client, !ctl->stop, path, ctl->replace);
     if (good && isfinite(ctl->seconds))
         good = wait_for(client, ctl->seconds) && request(client, false, "", false);

@@ -1,17 +1,8 @@
 /* foveactl view: tell fovead what another program shows on the screen. */
 #include <math.h>
-#include <signal.h>
 #include <stdio.h>
 
 #include "ctl.h"
-
-static volatile sig_atomic_t interrupted;
-
-static void on_interrupt(int number)
-{
-    (void)number;
-    interrupted = 1;
-}
 
 /* Read yaw, pitch, width and height, in degrees. False after a line on stderr. */
 static bool parse(const struct ctl *ctl, float out_orientation[4], Fovea__View *out_view)
@@ -41,7 +32,7 @@ static bool stay(const struct ctl *ctl, struct pro_client *client)
     uint64_t began_ns = dmn_now_ns();
     bool ended = false;
 
-    while (!interrupted && !ended && (double)(dmn_now_ns() - began_ns) * 1e-9 < ctl->seconds) {
+    while (!ctl_interrupted && !ended && (double)(dmn_now_ns() - began_ns) * 1e-9 < ctl->seconds) {
         char error[PRO_ERROR_SIZE];
         Fovea__Message *message;
         enum pro_result result = pro_receive(client, 50, &message, error);
@@ -65,7 +56,6 @@ static bool stay(const struct ctl *ctl, struct pro_client *client)
 
 static int run(const struct ctl *ctl)
 {
-    struct sigaction action = {.sa_handler = on_interrupt};
     Fovea__Message message = FOVEA__MESSAGE__INIT;
     Fovea__View view = FOVEA__VIEW__INIT;
     char error[PRO_ERROR_SIZE];
@@ -81,9 +71,7 @@ static int run(const struct ctl *ctl)
     message.view = &view;
     client = ctl_connect(ctl, FOVEA__ENCODING__ENCODING_NONE, false, false);
     if (!client) return 1;
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-    sigaction(SIGHUP, &action, NULL);
+    ctl_catch_signals();
     good = (pro_send(client, &message, error) || ctl_fail("%s", error)) && stay(ctl, client);
     pro_disconnect(client);
     return good ? 0 : 1;

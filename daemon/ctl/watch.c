@@ -1,6 +1,5 @@
 /* foveactl watch: shows live how the picture grows, where the eye looks and how long things take. */
 #include <math.h>
-#include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -51,13 +50,6 @@ struct watch {
     uint64_t sequence; /* newest gaze that a tile has answered */
     struct dmn_histogram stage[STAGES];
 };
-
-static volatile sig_atomic_t interrupted;
-
-static void on_interrupt(int number)
-{
-    interrupted = number;
-}
 
 /* The first tile that answers a gaze sample tells how long the answer took. Later ones, and the first one
  * after a freeze, would include how long the eye has rested. */
@@ -369,7 +361,7 @@ static bool follow(struct watch *watch, char out_error[PRO_ERROR_SIZE])
     const struct ctl *ctl = watch->ctl;
 
     trk_be_prompt(); /* so that latencies do not include waits of this program for a processor */
-    while (!interrupted && !watch->ended && !ferror(stdout)) {
+    while (!ctl_interrupted && !watch->ended && !ferror(stdout)) {
         Fovea__Message *message;
         enum pro_result result = pro_receive(watch->client, 50, &message, out_error);
 
@@ -388,7 +380,6 @@ static bool follow(struct watch *watch, char out_error[PRO_ERROR_SIZE])
 
 static int run(const struct ctl *ctl)
 {
-    struct sigaction action = {.sa_handler = on_interrupt};
     struct watch *watch = calloc(1, sizeof(*watch));
     char error[PRO_ERROR_SIZE];
     bool good;
@@ -402,9 +393,7 @@ static int run(const struct ctl *ctl)
         free(watch);
         return 1;
     }
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-    sigaction(SIGHUP, &action, NULL);
+    ctl_catch_signals();
     watch->keys = watch->terminal && ctl_keys_begin();
     watch->began_ns = watch->drawn_ns = dmn_now_ns();
     if (!ctl->json) printf("%s\n", pro_welcome(watch->client)->scene);

@@ -1,6 +1,6 @@
 /* room: how many connections the daemon has room for. A visit is a connection by HTTP on which no session has
- * begun (yet): a browser loads the page's files, or waits before it loads more. Visits do not count as clients,
- * because browsers keep them open for some seconds after a page is loaded. */
+ * begun (yet): a browser loads the page's files, or waits before it loads more. Visits do not count as
+ * clients, because browsers keep them open for some seconds after a page is loaded. */
 #ifndef FOVEAD_DAEMON_TRANSPORT_ROOM_H
 #define FOVEAD_DAEMON_TRANSPORT_ROOM_H
 

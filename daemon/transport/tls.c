@@ -188,8 +188,8 @@ void dmn_tls_destroy(struct dmn_tls *tls)
 void dmn_tls_prepare(const struct dmn_tls *tls, struct lws_context_creation_info *info)
 {
     info->options |= LWS_SERVER_OPTION_DO_SSL_GLOBAL_INIT;
-    /* libwebsockets would else make another one, with all certificates of the system, for connections that the
-     * daemon would begin; there are none. */
+    /* libwebsockets would else make another one, with all certificates of the system, for connections that
+     * the daemon would begin; there are none. */
     info->provided_client_ssl_ctx = tls->context;
 }
 

@@ -1,4 +1,5 @@
-/* visit: what a browser's request needs before a session begins: a check of its headers, and the page's files. */
+/* visit: what a browser's request needs before a session begins: a check of its headers, and the page's
+ * files. */
 #ifndef FOVEAD_DAEMON_TRANSPORT_VISIT_H
 #define FOVEAD_DAEMON_TRANSPORT_VISIT_H
 
@@ -22,8 +23,8 @@ extern const size_t dmn_page_count;
  *   machine is in this network, and has no token, which clients need there. */
 bool dmn_visit_host_is_good(const char *host, const struct dmn_listener *listener);
 /* Does the Origin header say that the page was served here? It is then "http://", or "https://" where TLS is
- * spoken, and the Host header. An empty origin is accepted: browsers always send one with a WebSocket, and other
- * programs need none. */
+ * spoken, and the Host header. An empty origin is accepted: browsers always send one with a WebSocket, and
+ * other programs need none. */
 bool dmn_visit_origin_is_good(const char *origin, const char *host, const struct dmn_listener *listener);
 
 /* The file at a path, or NULL. */

@@ -13,23 +13,24 @@ enum { HEADER_SIZE = 256, HEADERS_SIZE = 2048, CHUNK = 16 << 10 };
 
 /* --- who may come in --- */
 
-/* Every peer may connect: the headers that tell where a request comes from are checked when they have come. */
+/* Every peer may connect: the headers that tell where a request comes from are checked when they have come.
+ */
 static bool origin_is_good(const struct dmn_peer *peer, char *out_why, size_t size)
 {
     (void)peer, (void)out_why, (void)size;
     return true;
 }
 
-/* Copy a header, or "" if the request has none. False if it is too long for the buffer: the names of honest hosts
- * are shorter. */
+/* Copy a header, or "" if the request has none. False if it is too long for the buffer: the names of honest
+ * hosts are shorter. */
 static bool copy_header(struct lws *wsi, enum lws_token_indexes token, char out_text[HEADER_SIZE])
 {
     out_text[0] = '\0';
     return lws_hdr_total_length(wsi, token) == 0 || lws_hdr_copy(wsi, out_text, HEADER_SIZE, token) > 0;
 }
 
-/* Does the request come from a page that was served here, or from a program that is no browser? That is what its
- * headers tell. False after a line on stderr; *out_answer is then for the browser's user. */
+/* Does the request come from a page that was served here, or from a program that is no browser? That is what
+ * its headers tell. False after a line on stderr; *out_answer is then for the browser's user. */
 static bool is_welcome(struct lws *wsi, const struct dmn_connection *connection, const char **out_answer)
 {
     char host[HEADER_SIZE], origin[HEADER_SIZE], why[HEADER_SIZE + 64];
@@ -140,8 +141,8 @@ static int go_on(struct lws *wsi, struct answer *answer)
 
 /* --- messages --- */
 
-/* The part of a message that has come so far. A browser may send a message in several frames, and libwebsockets
- * hands over a long frame in several parts. */
+/* The part of a message that has come so far. A browser may send a message in several frames, and
+ * libwebsockets hands over a long frame in several parts. */
 struct assembly {
     uint8_t *bytes;
     size_t used, size;
@@ -221,7 +222,8 @@ static bool write_message(struct dmn_connection *connection, uint8_t *block, siz
 
 /* --- what libwebsockets says --- */
 
-/* libwebsockets has closed a socket. It may tell this more than once, to each protocol that the socket had. */
+/* libwebsockets has closed a socket. It may tell this more than once, to each protocol that the socket had.
+ */
 static void leave(struct lws *wsi, struct dmn_connection *connection)
 {
     lws_set_opaque_user_data(wsi, NULL);

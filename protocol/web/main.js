@@ -197,7 +197,7 @@ function savePng() {
 
 function walk(right, up, ahead) {
   const sin = Math.sin(view.yaw), cos = Math.cos(view.yaw);
-  connection.send('Move', { request: 1, relative: true, position: [right * cos + ahead * sin, up, right * sin - ahead * cos] });
+  connection.send('Move', { request: 1, relative: true, camera: [right * cos + ahead * sin, up, right * sin - ahead * cos] });
 }
 
 function expose(stops) {

@@ -9,7 +9,7 @@ const SCHEMA = {
   Acknowledge: { serial: [1, 'u'] },
   Ping: { clientNs: [1, 'u'] },
   Recentre: { request: [1, 'u'], direction: [2, 'F'] },
-  Move: { request: [1, 'u'], position: [2, 'F'], relative: [3, 'b'] },
+  Move: { request: [1, 'u'], camera: [2, 'F'], relative: [3, 'b'] },
   Welcome: { version: [1, 'u'], server: [2, 's'], width: [3, 'u'], height: [4, 'u'], tileSize: [5, 'u'], levels: [6, 'u'], generation: [7, 'u'], scene: [8, 's'], gazeSource: [9, 's'], distribution: [10, 's'], frozen: [11, 'b'] },
   Tile: { serial: [1, 'u'], generation: [2, 'u'], level: [3, 'u'], x: [4, 'u'], y: [5, 'u'], encoding: [6, 'u'], data: [7, 'y'], samples: [8, 'u'], error: [9, 'f'], converged: [10, 'b'], settled: [11, 'b'], gazeSequence: [12, 'u'], gazeNs: [13, 'u'], aimedNs: [14, 'u'], encodedNs: [15, 'u'], fadeMs: [16, 'u'] },
   Gaze: { sequence: [1, 'u'], direction: [2, 'F'], valid: [3, 'b'], frozen: [4, 'b'], arrivalNs: [6, 'u'], aim: [8, 'F'], spread: [9, 'f'], state: [10, 's'], source: [11, 's'] },

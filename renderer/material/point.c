@@ -21,7 +21,8 @@ static const struct rnd_corners *corners_of(const struct rnd_scene *scene, const
     return &scene->corners[scene->mesh[point->mesh].first_corners + point->triangle];
 }
 
-/* --- what the packed corners do not hold: the second set of texture coordinates, tangents of a turned map --- */
+/* --- what the packed corners do not hold: the second set of texture coordinates, tangents of a turned map
+ * --- */
 
 /* Texture coordinates of the triangle's corners. */
 struct uvs {

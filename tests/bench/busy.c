@@ -274,7 +274,8 @@ static void evaluate(const struct run *run, double figure[FIGURES])
     if (run->loops > 0) figure[LOOP] = (first->to.loops - first->from.loops) / seconds / run->loops;
 }
 
-/* One start of fovead, beside so many busy loops, with so many clients that read and so many that are stuck. */
+/* One start of fovead, beside so many busy loops, with so many clients that read and so many that are stuck.
+ */
 static bool measure(const struct setup *setup, int loops, int readers, int stuck, double figure[FIGURES])
 {
     static struct run run;

@@ -1,5 +1,5 @@
-/* What a client is sent: how many bytes, against sending the whole panorama again and again for the same quality
- * in the fovea; how much the periphery flickers; and how long tiles take. It runs the real fovead. */
+/* What a client is sent: how many bytes, against sending the whole panorama again and again for the same
+ * quality in the fovea; how much the periphery flickers; and how long tiles take. It runs the real fovead. */
 #include "bench.h"
 #include "chart.h"
 #include "programs.h"
@@ -213,8 +213,8 @@ static bool take_pixels(struct run *run, const Fovea__Tile *tile, size_t index, 
     return true;
 }
 
-/* Paths of the level-0 tiles that a tile covers: what the daemon has at least, and what the client sees if it is
- * one of them itself. */
+/* Paths of the level-0 tiles that a tile covers: what the daemon has at least, and what the client sees if it
+ * is one of them itself. */
 static void take_paths(struct run *run, const Fovea__Tile *tile, double time_s)
 {
     const struct dmn_level *fine = &run->pyramid.level[0];
@@ -326,9 +326,9 @@ static double error_of(double paths)
     return 1 / sqrt(fmax(1.0, paths / PIXELS));
 }
 
-/* Errors that the fovea is shown, for paths of deviation 1, as a mean over time: by the tiles that were sent; and
- * for each number of panoramas per second, if these were sent. A fovea that shows a level coarser than 0 counts
- * as one with a path per pixel. */
+/* Errors that the fovea is shown, for paths of deviation 1, as a mean over time: by the tiles that were sent;
+ * and for each number of panoramas per second, if these were sent. A fovea that shows a level coarser than 0
+ * counts as one with a path per pixel. */
 static double errors(const struct run *run, double out_panoramas[MOST_A_SECOND + 1])
 {
     const int steps = (int)(run->setup->seconds / STEP_S);

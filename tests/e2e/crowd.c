@@ -1,8 +1,9 @@
 /* Many clients of fovead at once, by raw sockets and by WebSocket on two ports of loopback.
  *
  * crowd come HTTP TCP COUNT: so many connections to each port, which end in one of several ways at once.
- * crowd stay HTTP TCP: 50 clients. 10 of them ask for tiles and read nothing, 2 read as slowly as a link of 1 Mbit/s
- * lets them, and the others read as fast as they can. All but the 10 must get their tiles, and paths must go on. */
+ * crowd stay HTTP TCP: 50 clients. 10 of them ask for tiles and read nothing, 2 read as slowly as a link of 1
+ * Mbit/s lets them, and the others read as fast as they can. All but the 10 must get their tiles, and paths
+ * must go on. */
 #include <endian.h>
 #include <pthread.h>
 #include <time.h>

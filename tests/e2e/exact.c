@@ -1,7 +1,8 @@
-/* Does a client have exactly what the daemon has? e2e_exact SNAPSHOT SAVED: an EXR of foveactl snapshot and one of
- * foveactl save, of the same film. Compares the tiles ahead, within 50 degrees of the middle of the picture.
- * Exit status: 0 their radiance is the same bit for bit, as half floats; 1 it is not; 2 an error; 3 some of
- * their pixels have no path or no light yet, so that a client sees a reconstruction and not their means. */
+/* Does a client have exactly what the daemon has? e2e_exact SNAPSHOT SAVED: an EXR of foveactl snapshot and
+ * one of foveactl save, of the same film. Compares the tiles ahead, within 50 degrees of the middle of the
+ * picture. Exit status: 0 their radiance is the same bit for bit, as half floats; 1 it is not; 2 an error; 3
+ * some of their pixels have no path or no light yet, so that a client sees a reconstruction and not their
+ * means. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

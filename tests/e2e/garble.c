@@ -1,7 +1,7 @@
-/* garble SOCKET PID PORT KIND COUNT: sends COUNT inputs to a port on which fovead, process PID, listens for browsers. Each
- * was right before it was changed at random, always in the same ways. KIND: requests, handshakes and frames of WebSocket,
- * or the beginning of TLS. fovead must end each connection once its input has ended, go on serving an honest client on
- * SOCKET, and keep neither descriptors nor memory. */
+/* garble SOCKET PID PORT KIND COUNT: sends COUNT inputs to a port on which fovead, process PID, listens for
+ * browsers. Each was right before it was changed at random, always in the same ways. KIND: requests,
+ * handshakes and frames of WebSocket, or the beginning of TLS. fovead must end each connection once its input
+ * has ended, go on serving an honest client on SOCKET, and keep neither descriptors nor memory. */
 #include <dirent.h>
 #include <poll.h>
 

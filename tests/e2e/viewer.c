@@ -1,5 +1,5 @@
-/* viewer ADDRESS window|headset YAW: shows a view that is turned to the right by so many degrees, 90 wide and 60 high, and
- * prints whose view steers, until its standard input ends or the daemon goes. */
+/* viewer ADDRESS window|headset YAW: shows a view that is turned to the right by so many degrees, 90 wide and
+ * 60 high, and prints whose view steers, until its standard input ends or the daemon goes. */
 #include <math.h>
 #include <poll.h>
 #include <stdio.h>

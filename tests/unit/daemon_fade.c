@@ -12,7 +12,8 @@
 static void noise_changes_as_a_running_mean_does(void **state)
 {
     (void)state;
-    /* Paths of deviation 1: the error of 400 is 0.05, and the mean of 100 changes by sqrt(1 / 100 - 1 / 400). */
+    /* Paths of deviation 1: the error of 400 is 0.05, and the mean of 100 changes by sqrt(1 / 100 - 1 / 400).
+     */
     assert_float_equal(dmn_change(0.05f, 100, 400), sqrt(0.0075), 1e-6);
     assert_float_equal(dmn_change(0.05f, 400, 400), 0, 0);
     assert_float_equal(dmn_change(0.05f, 400, 100), 0, 0);

@@ -280,8 +280,8 @@ static void visible_error(void **state)
     assert_float_equal(rnd_visible_error(0, 5), expected, 1e-5);
 }
 
-/* METHODS: by the same model of the eye, noise that flickers at 5 Hz must be 2.1 to 2.2 times smaller than noise
- * that stands still, whose thresholds at 20 pixels per degree are these. */
+/* METHODS: by the same model of the eye, noise that flickers at 5 Hz must be 2.1 to 2.2 times smaller than
+ * noise that stands still, whose thresholds at 20 pixels per degree are these. */
 static void visible_flicker(void **state)
 {
     (void)state;

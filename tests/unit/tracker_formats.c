@@ -2,7 +2,8 @@
  * each after the documentation of its format or after real rows. They hold five samples, 10 ms apart (0.5 ms
  * in the log of 2000 Hz). A person looks ahead, 10 degrees to the right, 10 up, blinks, and then looks 10 to
  * the left and 5 down with the left eye alone. Where the format has a head pose, the head is turned 20
- * degrees to the right throughout. Further tests: options that override a log, and how bad input is refused. */
+ * degrees to the right throughout. Further tests: options that override a log, and how bad input is refused.
+ */
 #include "tracker_corpus.h"
 
 #include "tracker.h"
@@ -86,8 +87,8 @@ static void check_gaze(const float direction[3], double yaw, double pitch)
     assert_float_equal(asin(direction[1]) * 180 / M_PI, pitch, 0.06);
 }
 
-/* The point on the screen, from its top left corner: 10 degrees are a fifth of the screens' width and two fifths
- * of their height. */
+/* The point on the screen, from its top left corner: 10 degrees are a fifth of the screens' width and two
+ * fifths of their height. */
 static void check_point(const struct format *format, const struct trk_sample *sample, int i)
 {
     static const double x[] = {0, 0.211, 0, 0, -0.211}, y[] = {0, 0, -0.37, 0, 0.185};

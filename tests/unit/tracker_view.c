@@ -144,8 +144,8 @@ static void the_aim_goes_through_the_view(void **state)
     aims_at(145, 0.01);
 }
 
-/* While the eye stays where it is on the screen, the aim turns with the view, by samples and without them, and
- * nothing is taken for a saccade. */
+/* While the eye stays where it is on the screen, the aim turns with the view, by samples and without them,
+ * and nothing is taken for a saccade. */
 static void the_aim_turns_with_the_view(void **state)
 {
     (void)state;

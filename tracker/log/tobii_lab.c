@@ -286,8 +286,8 @@ static bool read_times(struct reader *reader, struct trk_sample *sample, char ou
            trk_log_clock_count(&reader->host, host_ns, reader->table.reading, &sample->arrival_ns, out_error);
 }
 
-/* The point on the display that the gaze is at: by the plane that its pixels were taken for, or, where gaze is
- * made from something better, by its pixels, if they were exported with the display's size. */
+/* The point on the display that the gaze is at: by the plane that its pixels were taken for, or, where gaze
+ * is made from something better, by its pixels, if they were exported with the display's size. */
 static bool set_point(struct reader *reader, const struct eye eyes[2], const double both[2],
                       struct trk_sample *sample, char out_error[TRK_ERROR_SIZE])
 {
