@@ -33,7 +33,8 @@ void dmn_autosave_done(struct dmn_autosave *autosave, const struct dmn_job *job)
 {
     autosave->under_way = false;
     if (!job->good && !autosave->fails)
-        dmn_print(stderr, "fovead: %s; rendering goes on, and so do tries to save\n", job->text);
+        dmn_print(stderr, "fovead: %s; rendering goes on, and fovead tries again at the next interval\n",
+                  job->text);
     if (job->good && autosave->fails) dmn_print(stderr, "fovead: the film is saved again: %s\n", job->text);
     autosave->fails = !job->good;
 }

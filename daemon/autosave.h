@@ -11,8 +11,8 @@ struct dmn_autosave {
     bool fails; /* the last save failed, and people were told so */
 };
 
-/* Ask for a save if it is due. An interval ends unsaved if the save before is still under way then, so that
- * saves do not pile up. */
+/* Ask for a save if it is due. If the save before is still under way, this one is left out, so that saves do
+ * not pile up. */
 void dmn_autosave_tick(struct dmn_autosave *autosave, const struct dmn_handles *handles);
 
 /* Such a save is done: tell people of the first one that fails, and of the first that succeeds after it. */

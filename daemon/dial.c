@@ -10,7 +10,7 @@
 #include "dial.h"
 #include "numbers.h"
 
-/* Nobody waits for it, and a look-up of a name may already take some seconds. */
+/* The limit of an attempt. No caller waits for it, and looking up a name alone may take seconds. */
 static const uint64_t PATIENCE_NS = 30000000000;
 
 struct attempt {

@@ -12,8 +12,8 @@ struct dmn_dialled {
     char why[PRO_ERROR_SIZE];
 };
 
-/* Begin an attempt. Returns a descriptor that becomes readable when the attempt has ended, and which the
- * caller closes; it may do so before. -1 if no thread can be made. */
+/* Begin an attempt. Returns a descriptor that becomes readable when the attempt has ended. The caller must
+ * close it, and may do so before that. -1 if no thread can be made. */
 int dmn_dial(const struct pro_address *address);
 /* Take the result from such a readable descriptor. */
 void dmn_dial_take(int fd, struct dmn_dialled *out_dialled);

@@ -7,8 +7,8 @@
 /* A change is cut up into parts of 100 ms, half a period of 5 Hz. */
 static const float STEP_MS = 100;
 
-/* Relative standard deviation of what a tile shows and the coarser one before it does not: the detail of an
- * octave, as pictures have it. */
+/* Relative standard deviation of the detail that a tile adds to the next coarser level: one octave of a
+ * typical picture. */
 static const float DETAIL = 0.25f;
 
 float dmn_change(float error, uint64_t before, uint64_t now)
@@ -38,8 +38,9 @@ uint32_t dmn_fade_of(const struct dmn_pyramid *pyramid, const struct dmn_tile *s
 
     for (int l = level; l < pyramid->levels && !shown; l++)
         shown = sent[dmn_pyramid_index(pyramid, l, x >> (l - level), y >> (l - level))].samples > 0;
-    /* A level's pixels have the error of those of level 0 divided by how many times wider they are, and so
-     * has what the eye can see of it. */
+    /* A pixel of a coarser level is w times as wide as one of level 0. Its error is w times smaller, and so
+     * is the smallest change that the eye can see in it. So the density of level 0 is right for all levels.
+     */
     return shown ? dmn_fade_ms(eccentricity_deg, dmn_pyramid_density(pyramid), now->error,
                                sent[index].samples, now->samples)
                  : 0;

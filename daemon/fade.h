@@ -12,14 +12,15 @@ enum { DMN_LONGEST_FADE_MS = 1000 };
  * A mean of n paths whose standard deviation is s changes by s sqrt(1 / before - 1 / now). */
 float dmn_change(float error, uint64_t before, uint64_t now);
 
-/* Milliseconds in which to go over to the tile; 0: at once. In the fovea it is 0. Elsewhere it is so long
- * that a tenth of a second changes no more than rnd_visible_flicker(), or DMN_LONGEST_FADE_MS if that is
- * less. */
+/* How long the fade to the new tile takes, ms; 0: no fade. In the fovea there is no fade. Elsewhere it is so
+ * long that no 100 ms of it change more than rnd_visible_flicker(), but never longer than
+ * DMN_LONGEST_FADE_MS. A change of at most rnd_visible_flicker() needs no fade. */
 uint32_t dmn_fade_ms(float eccentricity_deg, float pixels_per_degree, float error, uint64_t before,
                      uint64_t now);
 
-/* The same of a tile (level, x, y) of a pyramid, for a client that has the tiles in sent (see next.h). now
- * are the paths and the error that the tile is sent with. 0 if the client shows nothing there yet. */
+/* Like dmn_fade_ms(), for the tile (level, x, y) of a pyramid. sent has the tiles that the client was sent
+ * (see next.h); now has the paths and the error of the tile that is about to be sent. 0 if the client shows
+ * nothing there yet. */
 uint32_t dmn_fade_of(const struct dmn_pyramid *pyramid, const struct dmn_tile *sent, const float gaze[3],
                      int level, int x, int y, const struct dmn_tile *now);
 

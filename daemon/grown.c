@@ -1,7 +1,8 @@
 /* Which tiles of the film are worth sending again. */
 #include "grown.h"
 
-/* Of a tile that was not sent: how many times as many paths as 1. */
+/* The factor by which a tile's paths have grown since it was sent. A tile that was never sent counts as
+ * having had 1 path. */
 static double growth(uint64_t now, uint64_t sent)
 {
     return (double)now / (double)(sent > 0 ? sent : 1);

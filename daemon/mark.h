@@ -5,7 +5,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Of a line: go to a point, in pixels from the picture's top left corner, with the pen up or down. */
+/* One step of a drawing: move the pen to a point, in pixels from the picture's top left corner. If down is
+ * true the move draws a line, else nothing. */
 struct dmn_stroke {
     float x, y;
     bool down;

@@ -37,7 +37,8 @@ void dmn_steering_show(struct dmn_steering *steering, struct dmn_shown *client,
     else if (asks)
         client->asked = ++steering->asks;
     if (view_or_null) client->view = *view_or_null;
-    /* Whose rank stays, stays where it is: among equals, who came first. */
+    /* A client whose rank has not changed keeps its place. Taking it out and putting it in again would move
+     * it behind clients of equal rank. */
     if (!was_shown || !client->shown || asks || client->headset != was_headset) {
         take_out(steering, client);
         if (client->shown) put_in(steering, client);

@@ -1,8 +1,8 @@
 /* steering: whose view steers, of the clients that show one.
  *
- * A headset goes before windows; among equals the latest that has asked to steer goes first, and who has not
- * asked comes last. Who steers is followed by the next in that order. Nothing here knows of sockets or gaze.
- * For one thread. */
+ * Clients are ranked. Headsets come before windows. Within each kind the client that asked most recently
+ * comes first, and those that never asked come last. The first client steers. When it leaves, the next one
+ * does. Nothing here knows of sockets or gaze. For one thread. */
 #ifndef FOVEAD_DAEMON_STEERING_H
 #define FOVEAD_DAEMON_STEERING_H
 
@@ -10,7 +10,7 @@
 
 /* What one client shows. All zero: nothing. */
 struct dmn_shown {
-    struct dmn_shown *next; /* who is after it; while it is shown */
+    struct dmn_shown *next; /* in the order of ranks; valid while this client shows a view */
     const char *who;        /* the client, for people */
     bool shown, headset;
     uint64_t asked; /* counts who asked, from 1; 0: it has not */

@@ -12,15 +12,15 @@
 #include "mark.h"
 #include "viewer.h"
 
-/* While there is a connection, news are looked for every BEAT_NS: the gaze, and the tiles that have grown
- * most. At most TILES of them are sent per beat, which is 26 MB/s with five channels: a viewer queues all
- * that it gets, even if it cannot keep up. If fewer have grown by half, up to FEW others that have changed
- * at all follow. */
+/* While connected, fovead checks every BEAT_NS for a new gaze and for the tiles that have gained most paths.
+ * At most TILES of them are sent per beat, which is 26 MB/s with five channels: a viewer queues all that it
+ * gets, even if it cannot keep up. If fewer than FEW tiles have WORTH times the paths that they were sent
+ * with, the FEW that have grown most are sent, however little they have grown. */
 enum { TILES = 16, FEW = 4, HURRIED = 64, BURST = 2, SEND_BUFFER = 1 << 20 };
 static const double WORTH = 1.5;
 
-/* All of that may cost a tenth of the processor time of fovead, which is little on a busy machine. What is
- * left of it from earlier beats counts up to MOST_SAVED_NS. */
+/* Sending may use at most a tenth of fovead's processor time, which is little on a busy machine. Time left
+ * over from earlier beats is kept, up to MOST_SAVED_NS. At the end there is no such limit. */
 enum { SHARE = 10 };
 static const int64_t MOST_SAVED_NS = 5000000;
 
@@ -199,7 +199,8 @@ static void ask_to_write(struct dmn_viewer *viewer)
         viewer->taken_ns = dmn_now_ns();
 }
 
-/* Send what the socket takes, which has room. False if the connection is broken. */
+/* The socket has room: send up to BURST packets, as far as it takes them. False if the connection is broken.
+ */
 static bool send_some(struct dmn_viewer *viewer)
 {
     const uint64_t began_ns = processor_ns(CLOCK_THREAD_CPUTIME_ID);
@@ -257,7 +258,7 @@ static int on_socket(struct lws *wsi, enum lws_callback_reasons reason, void *us
         lws_set_timeout(wsi, NO_PENDING_TIMEOUT, 0);
         return 0;
     case LWS_CALLBACK_RAW_RX:
-        viewer->why = "it is no viewer, because it sends something";
+        viewer->why = "this is not a viewer: it has sent something, which tev and HDRView never do";
         return -1;
     case LWS_CALLBACK_RAW_WRITEABLE:
         return viewer->why || send_some(viewer) ? 0 : -1;
@@ -329,7 +330,8 @@ static void check(struct dmn_viewer *viewer)
 
     save_time(viewer);
     if (viewer->why) return;
-    if (now_ns - viewer->since_ns >= RETRY_NS) tell(viewer, TOLD_THERE, "it shows the picture");
+    if (now_ns - viewer->since_ns >= RETRY_NS)
+        tell(viewer, TOLD_THERE, "connected; the picture is being sent");
     if (now_ns - viewer->taken_ns >= PATIENCE_NS) {
         drop(viewer, "it takes nothing");
         return;

@@ -1,7 +1,7 @@
 /* viewer: shows the picture in tev or HDRView, by tev's protocol. It connects as soon as a viewer listens,
  * and again whenever the connection has ended; it opens the picture there, sends tiles as they get better,
- * and draws where the eye looks. A viewer that takes nothing costs nothing but what a socket holds: a tile
- * is read when the socket has room. For the loop's thread alone. */
+ * and draws where the eye looks. A tile is read only when the socket has room, so that a viewer that stops
+ * reading costs no more than the socket's buffer and one unfinished packet. For the loop's thread alone. */
 #ifndef FOVEAD_DAEMON_VIEWER_H
 #define FOVEAD_DAEMON_VIEWER_H
 

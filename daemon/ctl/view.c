@@ -80,7 +80,7 @@ static int run(const struct ctl *ctl)
 const struct ctl_command ctl_view = {
     .name = "view",
     .operands = "YAW,PITCH,WIDTH,HEIGHT",
-    .summary = "tell fovead that a viewer of your own shows this, degrees, until Ctrl-C",
+    .summary = "tell fovead which view, in degrees, a program of your own shows, until Ctrl-C",
     .options = CTL_CONNECTION "for at",
     .run = run,
 };

@@ -15,7 +15,7 @@ bool dmn_room_for_client(const struct dmn_connection *list, const struct dmn_lis
     }
     snprintf(out_why, size, "%d clients are connected, which is the most", DMN_MOST_CLIENTS);
     if (clients >= DMN_MOST_CLIENTS) return false;
-    snprintf(out_why, size, "%d clients are connected that have shown no token, which is the most",
+    snprintf(out_why, size, "%d clients of this listener have shown no token yet, and no more are let in",
              DMN_MOST_STRANGERS);
     return !listener->token || strangers < DMN_MOST_STRANGERS;
 }

@@ -86,7 +86,7 @@ static BIO *read_file(const char *path, bool is_key, char out_error[PRO_ERROR_SI
     return NULL;
 }
 
-/* Has OpenSSL found nothing that begins as what was asked for? */
+/* Was OpenSSL's last error that the file holds no (further) PEM block of the kind that was asked for? */
 static bool is_end(void)
 {
     const unsigned long error = ERR_peek_last_error();

@@ -50,7 +50,7 @@ await 'the whole picture' viewer_says whole
 grep -q "^created 512x256 R G B samples error 'fovead room.obj'$" view.out || fail "$(cat view.out)"
 "$foveactl" look 30,-10
 await 'the gaze' viewer_says 'mark 298.7 142.2$'
-await 'a word on the viewer' is_told 'it shows the picture'
+await 'a word on the viewer' is_told 'connected; the picture is being sent'
 
 # It is killed and comes again: the picture is created again.
 kill_view
@@ -100,7 +100,7 @@ cmp with.exr without.exr || fail 'the picture depends on the viewer'
 "$programs/e2e_same_channels" virtual.raw with.exr samples error || fail 'the viewer holds something else than was saved'
 
 # It reads nothing, or is no viewer at all: it is dropped, and clients do not feel it.
-for case in 'deaf:it takes nothing' 'talk:it is no viewer'; do
+for case in 'deaf:it takes nothing' 'talk:this is not a viewer'; do
     view "${case%%:*}"
     start --scene room.obj --size 1024x512 --threads 1 --gaze synthetic:2 --tev "127.0.0.1:$port"
     streams

@@ -185,7 +185,7 @@ is_crowded() {
         printf "GET / HTTP/1.1\r\n${host}Origin: http://127.0.0.1:$port\r\n$key" >&"$place_of"
         open="$open $place_of"
     done
-    grep -q 'turned away: 16 clients are connected that have shown no token' daemon.err
+    grep -q 'turned away: 16 clients of this listener have shown no token' daemon.err
 }
 await 'strangers to be turned away' is_crowded
 "$foveactl" stats --json >stats.json || fail 'no room for a client of another listener'
