@@ -126,6 +126,19 @@ await 'the daemon' grep -qs '^fovead: ready$' daemon.out
 kill -HUP "$daemon"
 "$foveactl" stats >/dev/null || fail 'the daemon ends in spite of nohup'
 stop
+# A client that nohup started ignores it, too.
+start $small --gaze synthetic:2
+rm watch.txt
+(
+    trap '' HUP
+    exec "$foveactl" watch --for 3600 >watch.txt 2>watch.err
+) &
+watcher=$!
+await 'a client that watches' test -s watch.txt
+[ "$((0x$(sed -n 's/^SigIgn:[^0-9a-f]*//p' /proc/$watcher/status) & 1))" = 1 ] || fail 'watch heeds SIGHUP in spite of nohup'
+kill $watcher
+wait $watcher || fail "watch ended with status $? after SIGTERM"
+stop
 # SIGHUP also ends a client that records.
 start $small --gaze synthetic:2
 "$foveactl" record hup.gaze --for 3600 >record.out &
